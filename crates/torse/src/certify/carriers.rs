@@ -24,15 +24,18 @@ use crate::spline::surface::Surface;
 const ROUNDING: f64 = 1e-12;
 
 /// Bound of the distance (mm) of the points of a surface within parameters `[u0, u1, v0, v1]` from the carrier of the map by which it
-/// is laid flat; unknown where a weight is not positive, and where no patch lies there.
-pub(crate) fn distance_from_carrier(surface: &Surface, within: &[f64; 4], map: &ClosedMap) -> UpperBound {
+/// is laid flat; unknown where a weight is not positive, and where no patch lies there. With whether that holds for the whole surface:
+/// else places of a face beyond the box, to which its trim was read by chords, may be farther by as much as they are beyond.
+pub(crate) fn distance_from_carrier(surface: &Surface, within: &[f64; 4], map: &ClosedMap) -> (UpperBound, bool) {
     let mut patches = surface.bezier_patches();
+    let count = patches.len();
     // What only touches the box has a neighbour there.
     patches.retain(|p| p.u.1 > within[0] && p.u.0 < within[1] && p.v.1 > within[2] && p.v.0 < within[3]);
-    match patches.is_empty() {
+    let bound = match patches.is_empty() {
         true => UpperBound::UNKNOWN,
         false => distance_of_patches(&patches, surface.bbox().diagonal(), map),
-    }
+    };
+    (bound, patches.len() == count)
 }
 
 /// Share of a strip's breadth by which places on its rulings may lie beside them: what rounding makes of them.
@@ -307,14 +310,14 @@ mod tests {
         let frame = Frame::world();
         let pipe = part(&SupportSurface::Cylinder { frame, radius: 25.0 });
         let bound = |radius: f64| {
-            distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame, radius, reach: radius }).value()
+            distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame, radius, reach: radius }).0.value()
         };
         assert!(bound(25.0) < 1e-9, "{}", bound(25.0));
         // Wrong by a hundredth of a millimetre: never less than the truth, and not much more.
         assert!((0.01..0.03).contains(&bound(25.01)), "{}", bound(25.01));
         let moved = Frame { origin: Vec3::new(0.02, 0.0, 0.0), ..frame };
         let off = distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame: moved, radius: 25.0, reach: 25.0 });
-        assert!((0.0199..0.1).contains(&off.value()), "{off:?}");
+        assert!((0.0199..0.1).contains(&off.0.value()), "{off:?}");
     }
 
     #[test]
@@ -350,9 +353,10 @@ mod tests {
             let points = [[0.0, 0.0, 0.0], [0.0, 80.0, z], [90.0, 0.0, 0.0], [90.0, 80.0, 0.0]].map(Vec3::from);
             Surface::new(knots(), knots(), &points, None).expect("a surface")
         };
-        let bound = |z: f64| distance_from_carrier(&flat(z), &ALL, &ClosedMap::Plane(frame)).value();
+        let bound = |z: f64| distance_from_carrier(&flat(z), &ALL, &ClosedMap::Plane(frame)).0.value();
         assert!(bound(0.0) < 1e-9 && bound(0.5) >= 0.5 && bound(0.5) < 0.51);
     }
+
     /// A profile of three chords, of which the trim uses the middle one.
     #[test]
     fn what_a_surface_is_beyond_its_trim_does_not_matter() {
@@ -362,10 +366,12 @@ mod tests {
         let surface =
             Surface::new(knots(&[0.0, 1.0, 16.0, 17.0]), knots(&[0.0, 1.0]), &points, None).expect("a surface");
         let bound = |u0: f64, u1: f64| {
-            distance_from_carrier(&surface, &[u0, u1, 0.2, 0.9], &ClosedMap::Plane(Frame::world())).value()
+            distance_from_carrier(&surface, &[u0, u1, 0.2, 0.9], &ClosedMap::Plane(Frame::world())).0.value()
         };
         assert!(bound(1.0, 16.0) < 1e-9 && bound(2.0, 9.0) < 1e-9);
         assert!(bound(0.9, 16.0) >= 0.4 && bound(2.0, 16.5) >= 0.5);
+        let whole = |u: f64| distance_from_carrier(&surface, &[0.0, u, 0.0, 1.0], &ClosedMap::Plane(Frame::world())).1;
+        assert!(whole(17.0) && !whole(16.0));
         assert!(bound(20.0, 30.0).is_infinite() && bound(f64::NAN, 3.0).is_infinite());
     }
 }

@@ -20,20 +20,21 @@ use super::claim::UpperBound;
 use super::flat::simple_outline::outline_is_simple;
 use super::flat::FlatCertificate;
 use super::strokes::{strain, strokes};
+use super::trims::trim_proof;
 use super::Certificate;
+use crate::brep::face::Face;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::Pattern;
 use crate::spline::curve::Curve;
-use crate::spline::surface::Surface;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// What is judged.
 #[derive(Clone, Debug)]
 pub(crate) struct Unfolded<'a> {
-    /// Surfaces of the faces, as they were read.
-    pub surfaces: Vec<&'a Surface>,
+    /// The faces, as they were read.
+    pub faces: Vec<&'a Face>,
     /// Least and greatest parameters `[u0, u1, v0, v1]` of every face.
     pub bounds: Vec<[f64; 4]>,
     /// The map of every face; `None` where it has no closed form.
@@ -122,13 +123,17 @@ const EDGE_AIM: f64 = 0.01;
 /// Judges a part; `tolerance` (mm) says how fine is fine enough.
 pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let off = |face: usize| match &part.maps[face] {
-        Some(m) => distance_from_carrier(part.surfaces[face], &part.bounds[face], m),
+        Some(m) => match distance_from_carrier(&part.faces[face].surface, &part.bounds[face], m) {
+            (bound, true) => bound,
+            // The file's trim may go beyond the polygons that were read of it, onto what was not looked at.
+            (bound, false) => bound.plus(trim_proof(part.faces[face], EDGE_AIM * tolerance).bound()),
+        },
         None if are_whole(&part.strips[face], &part.bounds[face]) => {
-            UpperBound::largest(part.strips[face].iter().map(|s| distance_of_strip(part.surfaces[face], s)))
+            UpperBound::largest(part.strips[face].iter().map(|s| distance_of_strip(&part.faces[face].surface, s)))
         }
         None => UpperBound::UNKNOWN,
     };
-    let count = part.surfaces.len();
+    let count = part.faces.len();
     let carrier_distance = match [part.maps.len(), part.strips.len(), part.bounds.len()] == [count; 3] {
         true => UpperBound::largest((0..count).into_par_iter().map(off).collect::<Vec<_>>()),
         false => UpperBound::UNKNOWN,

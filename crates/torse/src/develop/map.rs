@@ -66,7 +66,8 @@ impl Development {
 
     /// The same for the surface that lies `offset` (mm, positive towards the eye) beside the patch: places of the patch stand
     /// for those beside them. Rulings and tangent planes keep their directions, and the directrix goes `offset n'·b` on
-    /// across the rulings, where `n` is the normal.
+    /// across the rulings, where `n` is the normal (docs/algorithms/shop.md, "The neutral fibre"). *Not guaranteed*: that the
+    /// other surface is regular; and [`Development::strain`] compares with the patch, not with it.
     ///
     /// # Errors
     /// See [`Development::new`].
@@ -346,5 +347,23 @@ mod tests {
         let (t, r, dt, dr, h) = (0.37, 0.2, 0.8, -0.5, 1e-6);
         let fd = (d.map(t + h * dt, r + h * dr) - d.map(t - h * dt, r - h * dr)) / (2.0 * h);
         assert!((fd - d.tangent(t, r, dt, dr)).norm() < 1e-5);
+    }
+
+    /// What lies beside a cylinder is a cylinder of another radius: its arc grows on the one side and shrinks on the other.
+    #[test]
+    fn a_surface_beside_a_cylinder_is_as_long_as_its_own_arc() {
+        let (radius, distance) = (80.0, 3.0);
+        let s = ruled(&quarter(radius, 0.0), &quarter(radius, 50.0), 2);
+        let arc = |offset: f64| {
+            let d = Development::offset(&s, 1.0, offset).expect("a development");
+            (d.map(1.0, 0.5) - d.map(0.0, 0.5)).norm()
+        };
+        let mut found = [arc(distance), arc(-distance)];
+        found.sort_by(f64::total_cmp);
+        let quarter = std::f64::consts::FRAC_PI_2;
+        for (length, r) in found.into_iter().zip([radius - distance, radius + distance]) {
+            assert!((length - quarter * r).abs() < 1e-9 * r, "{length} {r}");
+        }
+        assert!((arc(0.0) - quarter * radius).abs() < 1e-9 * radius);
     }
 }

@@ -134,7 +134,7 @@ fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &
 /// A part before its judge.
 pub(super) fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
     let asked = Unfolded {
-        surfaces: part.faces.iter().map(|f| &faces[*f].surface).collect(),
+        faces: part.faces.iter().map(|f| &faces[*f]).collect(),
         bounds: part.faces.iter().map(|f| bounds(&faces[*f])).collect(),
         maps: &part.maps,
         strips: &part.strips,
