@@ -9,6 +9,7 @@ pub use surplus::{remove_surplus, Numbered};
 pub use workspace::discard;
 
 use crate::failure::{os_reason, Failure};
+use crate::input::first_read;
 use manifest::{Entry, Inventory, MANIFEST};
 use std::cell::RefCell;
 use std::fs;
@@ -50,7 +51,8 @@ struct Delivered {
 
 impl Output {
     /// Checks that `target` may be written, cleans what killed runs have left, and creates the temporary folder beside
-    /// it. Called before the long work, so that a wrong folder is refused at once. `input` is the file being read.
+    /// it. Called before the long work, so that a wrong folder is refused at once. `input` is the file being
+    /// read; those that were read so far count, too.
     ///
     /// # Errors
     /// The folder exists and holds something (unless `force` and that is an earlier result whose files can be told from
@@ -195,6 +197,13 @@ impl Output {
             _ => os_reason(&e),
         };
         let gone = fs::symlink_metadata(&self.target).is_err();
+        // Some files are read in the middle of a job, as those that the file of a job names.
+        let here = fs::canonicalize(&self.target).ok();
+        let inside =
+            |file: &Path| here.as_ref().zip(fs::canonicalize(file).ok()).is_some_and(|(h, f)| f.starts_with(h));
+        if let Some(file) = first_read(inside).filter(|_| !gone) {
+            return Err(format!("it holds '{}', which this job has read", file.display()));
+        }
         match &self.place {
             Place::Earlier(found) if !gone => workspace::replace(self.workspace.path(), &self.target, &found.own),
             Place::Empty if !gone => workspace::move_to_empty(&result, &self.target).map_err(in_words),
@@ -259,9 +268,9 @@ fn look(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool) -> Re
             "choose another folder, or add --force to replace the files of an earlier result in it",
         ));
     }
-    if inside(input) {
+    if let Some(file) = inside(input).then(|| input.to_path_buf()).or_else(|| first_read(inside)) {
         return Err(Failure::new(
-            format!("the output folder '{shown}' holds the input file '{}'", input.display()),
+            format!("the output folder '{shown}' holds the input file '{}'", file.display()),
             "choose another folder with --out",
         ));
     }

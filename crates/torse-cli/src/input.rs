@@ -1,16 +1,28 @@
 //! Input files: their bytes and their names.
 
 use crate::failure::{os_reason, Failure};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-/// Reads the input file.
+/// Files that this run has read, each by its own name: results must not replace them.
+static READ: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// The first file that was read so far and for which `holds` is true.
+pub fn first_read(holds: impl Fn(&Path) -> bool) -> Option<PathBuf> {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    read.iter().find(|file| holds(file)).cloned()
+}
+
+/// Reads an input file, whichever of several it is.
 pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
     if file.is_dir() {
         return Err(Failure::new(format!("'{}' is a folder", file.display()), "give a file inside it"));
     }
-    std::fs::read(file).map_err(|e| {
+    let bytes = std::fs::read(file).map_err(|e| {
         Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")
-    })
+    })?;
+    READ.lock().unwrap_or_else(PoisonError::into_inner).push(file.to_path_buf());
+    Ok(bytes)
 }
 
 /// Name of a file without folder and extension.

@@ -15,7 +15,7 @@ pub fn run(arguments: &Shape) -> Result<bool, Failure> {
     let file = read(&contents(path)?, &name, arguments.unit).map_err(|e| Failure::new(e.to_string(), hint))?;
     let job = Job::begin(&arguments.files, path, None)?;
     let folder = path.parent().map(std::path::Path::to_path_buf).unwrap_or_default();
-    let load = |name: &str| std::fs::read(folder.join(name)).map_err(|e| format!("{name}: {e}"));
+    let load = |name: &str| contents(&folder.join(name)).map_err(|e| format!("{name}: {}", e.message));
     let options = Options {
         input: arguments.files.job_name(path),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),

@@ -103,3 +103,38 @@ fn a_request_to_end_keeps_what_was_found_and_a_killed_run_is_cleaned_up_after() 
     assert_eq!(names(room.path()), ["ended", "killed"]);
     assert!(room.path().join("ended/report.json").exists());
 }
+
+/// Any command in a folder.
+fn torse(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_torse")).current_dir(folder).args(arguments).output().expect("torse runs")
+}
+
+#[test]
+fn no_file_that_a_job_reads_is_replaced_by_its_result() {
+    let room = tempfile::tempdir().expect("room");
+    let rail = |name: &str, z: f64| {
+        let row = |k: u32| format!("{},{},{z}\n", 10 * k, f64::from(k * (10 - k)));
+        fs::write(room.path().join(name), (0..=10).map(row).collect::<String>()).expect("a rail");
+    };
+    rail("a.csv", 0.0);
+    rail("b.csv", 50.0);
+    let loft = |a: &str, b: &str, more: &[&str]| {
+        let all = [&["loft", a, b, "--unit", "mm", "-t", "0.1mm", "-o", "out"], more].concat();
+        torse(room.path(), &all)
+    };
+    assert_eq!(loft("a.csv", "b.csv", &[]).status.code(), Some(0));
+    let panels = room.path().join("out/panels.step");
+    let before = fs::read(&panels).expect("panels");
+    // The second of two files, too.
+    fs::copy(room.path().join("b.csv"), room.path().join("out/b.csv")).expect("a copy");
+    let second = loft("a.csv", "out/b.csv", &["--force"]);
+    assert!(second.status.code() == Some(2) && text(&second.stderr).contains("out/b.csv"), "{}", text(&second.stderr));
+    // One that is named in a job.
+    fs::write(room.path().join("job.json"), r#"{ "unit": "mm", "from": [{ "panels": "out/panels.step" }] }"#)
+        .expect("a job");
+    let shape = torse(room.path(), &["shape", "job.json", "-t", "0.5mm", "-o", "out", "--force"]);
+    let told = text(&shape.stderr);
+    assert!(told.contains("out-2") && told.contains("panels.step"), "{told}");
+    assert_eq!(fs::read(&panels).expect("panels"), before);
+    assert!(room.path().join("out-2/panels.step").exists());
+}
