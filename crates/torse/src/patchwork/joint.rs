@@ -32,6 +32,8 @@ const SAMPLES: usize = 96;
 const PARALLEL: f64 = 0.9;
 /// Stretches shorter than this multiple of the reach are corners in which runs touch.
 const LEAST_STRETCH: f64 = 8.0;
+/// Share of the shorter run over which two runs of one face must be together to be where it closes.
+const LEAST_OF_ONE_FACE: f64 = 0.5;
 /// Steps that refine a foot on a run, each to two thirds: to 1e-6 of the distance of samples.
 const REFINEMENTS: usize = 34;
 
@@ -65,6 +67,11 @@ impl<'a> Course<'a> {
     fn direction(&self, k: usize) -> Vec3 {
         let (a, b) = (k.saturating_sub(1), (k + 1).min(SAMPLES));
         (self.points[b] - self.points[a]).normalize()
+    }
+
+    /// Length of its chords, mm.
+    fn length(&self) -> f64 {
+        self.points.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
     }
 
     /// Number of the sample nearest to a point.
@@ -160,7 +167,9 @@ fn joint<'a>(a: &Course<'a>, b: &Course<'a>, reach: f64, spacing: f64) -> Option
         at.push(at[at.len() - 1] + (w[1] - w[0]).norm());
     }
     let length = at[at.len() - 1];
-    if length < LEAST_STRETCH * reach {
+    // Borders of one face that only touch, as two holes do, are no seam of it.
+    let is_touch = a.edge.0 == b.edge.0 && length < LEAST_OF_ONE_FACE * a.length().min(b.length());
+    if length < LEAST_STRETCH * reach || is_touch {
         return None;
     }
     let count = (length / spacing.max(f64::MIN_POSITIVE)).round().clamp(1.0, 9.0) as usize;

@@ -1,7 +1,7 @@
 //! A polygonal region of a parameter plane, cut into triangles that carry labels: the one record of which part
 //! of a face belongs to which panel. All cuts are shared by both sides, so coverage is a matter of counting.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Label of triangles that belong to no panel yet.
 pub(crate) const UNASSIGNED: u32 = u32::MAX;
@@ -88,6 +88,17 @@ impl Partition {
             }
         }
         out
+    }
+
+    /// Vertices in which the border of a label touches itself, in order.
+    pub fn touching(&self, label: u32) -> Vec<u32> {
+        let inner: HashSet<(u32, u32)> =
+            self.region(label).into_iter().flat_map(|t| edges(self.triangles[t])).collect();
+        let mut leaving: BTreeMap<u32, usize> = BTreeMap::new();
+        for &(a, _) in inner.iter().filter(|&&(a, b)| !inner.contains(&(b, a))) {
+            *leaving.entry(a).or_insert(0) += 1;
+        }
+        leaving.into_iter().filter(|&(_, count)| count > 1).map(|(vertex, _)| vertex).collect()
     }
 
     /// Gives every edge-connected component of a label but the largest (by triangle count) a fresh label. Returns

@@ -21,6 +21,9 @@ use std::collections::{BTreeMap, BTreeSet};
 const MOST_PARTS: f64 = 64.0;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
+/// The same as a share of the face's size where borders leave a place side by side: holes of 10 mm that touch on a face of 150 mm
+/// needed 4·10⁻⁵ mm, with 2·10⁻³ mm their trimming curves crossed.
+const CLOSE_TRIM: f64 = 3e-7;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
 const EDGE_SHARE: f64 = 0.1;
 /// Distance (mm) of edges in space from trimming curves on cylinders and cones: CAD systems take less for none. Programs that
@@ -199,7 +202,8 @@ fn judged(
     for e in joined.iter().flat_map(|j| j.edges) {
         borders.share(e.chain, e.edge.clone(), e.parameters.clone());
     }
-    let trim_tolerance = tolerance * TRIM_SHARE;
+    let close = if state.touched { CLOSE_TRIM * face.surface.bbox().diagonal() } else { f64::INFINITY };
+    let trim_tolerance = (tolerance * TRIM_SHARE).min(close);
     let boundary = |a: &Assigned| {
         let usual = trim_tolerance * EDGE_SHARE;
         let exact = matches!(a.kind, PanelKind::Cylinder | PanelKind::Cone);

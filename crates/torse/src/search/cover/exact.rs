@@ -81,8 +81,41 @@ pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, co
     let mut state = State::on_lines(face, u, v).ok()?;
     state.partition.split_components(0);
     layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
+    part_where_touching(face, &mut state, rulings.is_swapped());
     let state = exactly(face, options, control, state)?;
     (state.panels.len() <= options.max_panels).then_some(state)
+}
+
+/// Parts regions whose border touches itself, as around holes that touch each other: a panel has one border that does not. Cut
+/// is along the ruling through the place; where holes lie side by side, so that they touch that ruling, across it too.
+fn part_where_touching(face: &Face, state: &mut State, swapped: bool) {
+    let ruling = usize::from(swapped);
+    for selects in [ruling, 1 - ruling] {
+        let mut labels = state.partition.distinct_labels();
+        while let Some(label) = labels.pop() {
+            let places: Vec<f64> = state
+                .partition
+                .region_vertices(label)
+                .into_iter()
+                .map(|v| state.partition.vertices[v as usize][selects])
+                .collect();
+            // A line beside which all of the region lies parts nothing.
+            let parts = |place: f64| places.iter().any(|p| *p < place) && places.iter().any(|p| *p > place);
+            let touching = state.partition.touching(label);
+            let through =
+                touching.into_iter().map(|v| state.partition.vertices[v as usize][selects]).find(|p| parts(*p));
+            let Some(place) = through else { continue };
+            state.touched = true;
+            let fresh = state.partition.fresh_label();
+            state.cut(&face.surface, label, fresh, |p| p[selects] - place);
+            let pieces = [label, fresh].map(|l| state.partition.region(l).len());
+            // What snaps to vertices may part nothing after all.
+            if pieces.iter().all(|n| *n > 0) {
+                labels.extend(state.partition.split_components(label));
+                labels.extend(state.partition.split_components(fresh));
+            }
+        }
+    }
 }
 
 /// The regions of a developable face with the torses of the surface itself, each as long as its region, proven.
@@ -188,5 +221,52 @@ impl Job<'_> {
             && judged.regression_clearance >= limits.min_clearance.unwrap_or(0.0);
         let holds = matches!(judged.verdict, Verdict::Holds { .. });
         (holds && kept && has_patch(self.face, &state.partition, label, &fit.torse)).then(|| Arc::new(fit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::face::TrimLoop;
+    use crate::geom::Vec3;
+    use crate::search::cover::{Layout, Limits};
+    use crate::spline::{knots::Knots, surface::Surface};
+
+    /// A square hole that stands on a corner.
+    fn hole(middle: [f64; 2], edge: u32) -> TrimLoop {
+        let corner = |x: f64, y: f64| [middle[0] + 10.0 * x, middle[1] + 10.0 * y];
+        let points = vec![corner(-1.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(0.0, -1.0)];
+        TrimLoop { points, edge: (edge..edge + 4).collect() }
+    }
+
+    /// The trough z = x²/200 over [0, 100]² with holes.
+    fn trough(holes: Vec<TrimLoop>) -> Face {
+        let k = |degree| Knots::clamped(degree, &[0.0, 100.0]).expect("knots");
+        let row = [(0.0, 0.0), (50.0, 0.0), (100.0, 50.0)];
+        let points: Vec<Vec3> =
+            row.into_iter().flat_map(|(x, z)| [Vec3::new(x, 0.0, z), Vec3::new(x, 100.0, z)]).collect();
+        let mut face = Face::untrimmed(Surface::new(k(2), k(1), &points, None).expect("surface"));
+        face.loops.extend(holes);
+        face
+    }
+
+    #[test]
+    fn regions_are_parted_where_holes_touch() {
+        let options = CoverOptions {
+            tolerance: 0.1,
+            max_panels: usize::MAX,
+            facets: false,
+            limits: Limits::default(),
+            layout: Layout::default(),
+        };
+        // One above the other along a ruling, side by side, and apart.
+        let cases = [([50.0, 30.0], 2), ([30.0, 50.0], 4), ([20.0, 20.0], 1)];
+        for (first, least) in cases {
+            let face = trough(vec![hole(first, 10), hole([50.0, 50.0], 20)]);
+            let state = exactly_covered(&face, &options, &Control::default()).expect("a developable face");
+            let labels = state.partition.distinct_labels();
+            assert!((2.min(least)..=least).contains(&labels.len()), "{first:?}: {}", labels.len());
+            assert!(labels.iter().all(|l| state.partition.touching(*l).is_empty()), "{first:?}");
+        }
     }
 }

@@ -58,6 +58,9 @@ pub struct State {
     pub origins: BTreeMap<u32, Arc<Origin>>,
     /// Lines that seams must follow.
     pub(in crate::search) seam_lines: Arc<Vec<SeamLine>>,
+    /// Whether a border touched itself and its region was parted there: two borders then leave that place side by side, and
+    /// trimming curves must follow them closely, not to cross.
+    pub(in crate::search) touched: bool,
 }
 
 /// Share of the median speed below which a parametrisation counts as collapsed (pole).
@@ -108,6 +111,7 @@ impl State {
             bands: BTreeMap::new(),
             origins: BTreeMap::new(),
             seam_lines: Arc::default(),
+            touched: false,
         };
         state.update(s);
         Ok(state)

@@ -136,6 +136,7 @@ pub(crate) fn with_partition(face: &Face, state: &State, partition: Partition) -
         bands: state.bands.clone(),
         origins: state.origins.clone(),
         seam_lines: state.seam_lines.clone(),
+        touched: state.touched,
     };
     out.update(&face.surface);
     out
