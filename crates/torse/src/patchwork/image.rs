@@ -1,7 +1,7 @@
 //! What a judge needs to know of a flat part: edges of the file, the closed maps that lay them flat, and what is drawn
 //! for them. Plain data.
 
-use crate::geom::{Frame, Vec2};
+use crate::geom::{Frame, Vec2, Vec3};
 use crate::spline::curve::Curve;
 
 /// A map of an elementary surface to the plane that keeps lengths.
@@ -36,6 +36,28 @@ impl ClosedMap {
     pub fn frame(&self) -> &Frame {
         match self {
             Self::Plane(frame) | Self::Cylinder { frame, .. } | Self::Cone { frame, .. } => frame,
+        }
+    }
+}
+
+impl ClosedMap {
+    /// Angle (rad) about the axis, between −π and π, by which a point stands; any for planes.
+    pub fn angle(&self, x: &Vec3) -> f64 {
+        let q = self.frame().to_local(x);
+        q.y.atan2(q.x)
+    }
+
+    /// Place in the plane of a point; its angle about the axis tells turns apart.
+    pub fn flat(&self, x: &Vec3, angle: f64) -> Vec2 {
+        let q = self.frame().to_local(x);
+        match self {
+            Self::Plane(_) => Vec2::new(q.x, q.y),
+            Self::Cylinder { reach, .. } => Vec2::new(reach * angle, q.z),
+            Self::Cone { half_angle, behind, turn, .. } => {
+                let reach = q.z * half_angle.cos() + q.x.hypot(q.y) * half_angle.sin() + behind;
+                let (sin, cos) = (turn * angle).sin_cos();
+                Vec2::new(cos, sin) * reach
+            }
         }
     }
 }

@@ -176,22 +176,11 @@ impl Chart {
     /// Place in the plane of a point of the face; `uv` is its place in the parameter plane, which tells copies on closed
     /// surfaces apart. Without it the copy nearest to the middle of the face is meant.
     pub fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {
-        match &self.kind {
-            Kind::Plane(frame) => {
-                let q = frame.to_local(x);
-                Vec2::new(q.x, q.y)
-            }
-            Kind::Round { frame, sign, angles, half_angle, neutral, .. } => {
-                let q = frame.to_local(x);
-                let angle = angles.unwrapped(q.y.atan2(q.x), uv);
-                if *half_angle == 0.0 {
-                    return Vec2::new(sign * neutral * angle, q.z);
-                }
-                let reach = q.z * half_angle.cos() + q.x.hypot(q.y) * half_angle.sin() + neutral;
-                let (sin, cos) = (-sign * half_angle.sin() * angle).sin_cos();
-                Vec2::new(cos, sin) * reach
-            }
-            Kind::Ruled(r) => r.flat(x, uv),
+        match (&self.kind, self.closed()) {
+            (Kind::Ruled(r), _) => r.flat(x, uv),
+            (Kind::Round { angles, .. }, Some(map)) => map.flat(x, angles.unwrapped(map.angle(x), uv)),
+            (_, Some(map)) => map.flat(x, 0.0),
+            (_, None) => Vec2::zeros(),
         }
     }
 
@@ -510,7 +499,11 @@ impl Ruled {
     }
 
     fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {
-        let s = self.parameter(x, uv.unwrap_or_else(|| self.projector.nearest(&self.surface, x).at));
+        self.flat_on(self.parameter(x, uv.unwrap_or_else(|| self.projector.nearest(&self.surface, x).at)), x)
+    }
+
+    /// Place in the plane of a point of the ruling at `s`.
+    fn flat_on(&self, s: f64, x: &Vec3) -> Vec2 {
         let k = self.nodes.partition_point(|n| n.0 <= s).clamp(1, self.nodes.len() - 1) - 1;
         let (at, before) = self.nodes[k];
         let state = if s > at { self.step(before, at, s).unwrap_or(before) } else { before };

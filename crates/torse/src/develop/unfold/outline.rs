@@ -387,13 +387,16 @@ pub(super) fn strip_joints(piece: &Piece, face: usize) -> Vec<JointImage> {
     strips.windows(2).map(|w| joint(w).unwrap_or_else(unknown)).collect()
 }
 
+/// Share of the tolerance within which lines and arcs keep to an inner edge: those of both sides count in the gap, and nobody draws them.
+const INSIDE: f64 = 0.1;
+
 /// Both images of an inner edge: lines and arcs for one, and the same, after the move `gap` of a sharp bend, for the other.
 pub(super) fn joint(body: &Body, piece: &Piece, [half, twin]: [usize; 2], tolerance: f64) -> Option<JointImage> {
     let run = |half: usize| Some(FlatRun { body, placed: piece.placed(body.halves[half].face)?, half });
     let (near, far) = (run(half)?, run(twin)?);
     let vertices = |run: &FlatRun| whole_arc(run, tolerance).map(|v| v.0);
     let vertices = vertices(&near).unwrap_or_else(|| {
-        let (pieces, _) = arcs(&near, tolerance);
+        let (pieces, _) = arcs(&near, INSIDE * tolerance);
         pieces.iter().map(|p| ContourVertex { point: p.point, bulge: p.bulge, corner: false }).collect()
     });
     let end = near.place(1.0);
