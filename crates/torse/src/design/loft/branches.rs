@@ -4,6 +4,9 @@
 //! of a grid line polished to rounding; crossings joined to chains. Chains are cut into runs along which both rails are
 //! followed monotonically and the type does not change.
 
+pub(crate) use super::branch::used_share;
+pub use super::branch::{Branch, BranchType, Direction};
+use super::links::linked;
 use super::track::{Contact, Track};
 use crate::torse::rail::Rail;
 use std::f64::consts::FRAC_PI_2;
@@ -20,46 +23,6 @@ pub struct BranchOptions {
 impl Default for BranchOptions {
     fn default() -> Self {
         Self { cells: 400, all_types: true }
-    }
-}
-
-/// Type of a branch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BranchType {
-    /// Twist 0: the regression point lies outside the ruling.
-    Regular,
-    /// Twist π: the regression point lies between the rails.
-    DoubleCone,
-}
-
-/// Direction in which the second rail is followed when the first is followed forwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// Forwards.
-    Same,
-    /// Backwards.
-    Opposite,
-}
-
-/// A run of rulings with coplanar tangents.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Branch {
-    /// Parameters on both tracks, the first not decreasing; beyond the end on closed tracks.
-    pub stations: Vec<[f64; 2]>,
-    /// Type.
-    pub kind: BranchType,
-    /// Direction on the second rail.
-    pub direction: Direction,
-    /// Whether the run closes after going round both rails.
-    pub closed: bool,
-    /// Shares of the rails' lengths that the run uses.
-    pub coverage: [f64; 2],
-}
-
-impl Branch {
-    /// What the best has most of: coverage of the rail that is used less, then of the other.
-    fn merit(&self) -> f64 {
-        self.coverage[0].min(self.coverage[1]) + 0.01 * self.coverage[0].max(self.coverage[1])
     }
 }
 
@@ -110,7 +73,8 @@ pub fn branches(a: &Rail, b: &Rail, options: &BranchOptions) -> Vec<Branch> {
     let (ta, tb) = (Track::new(a), Track::new(b));
     let f = |x: f64, y: f64| coplanarity(&ta.at(x), &tb.at(y));
     let grid = Grid::new(&ta, &tb, options.cells, coplanarity);
-    let mut out: Vec<Branch> = grid.chains(&f).iter().flat_map(|c| runs(c, &ta, &tb)).collect();
+    let found: Vec<Branch> = grid.chains(&f).iter().flat_map(|c| runs(c, &ta, &tb)).collect();
+    let mut out = linked(found, [&ta, &tb], [&grid.x, &grid.y], &f);
     out.retain(|r| options.all_types || r.kind == BranchType::Regular);
     out.sort_by(|p, q| {
         let key = |r: &Branch| (r.kind == BranchType::DoubleCone, -r.merit());
@@ -380,20 +344,6 @@ fn runs(chain: &Chain, ta: &Track, tb: &Track) -> Vec<Branch> {
     out
 }
 
-/// Share of a track's length between two parameters, at most 1.
-pub(crate) fn used_share(t: &Track, x0: f64, x1: f64) -> f64 {
-    let total = t.length();
-    if x1 - x0 >= t.end() {
-        return 1.0;
-    }
-    let at = |x: f64| {
-        let turns = if t.rail.closed { (x / t.end()).floor() } else { 0.0 };
-        let rest = x - turns * t.end();
-        turns * total + t.length_to(rest)
-    };
-    ((at(x1) - at(x0)) / total).clamp(0.0, 1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -436,6 +386,82 @@ mod tests {
         let found = branches(&ellipse(Vec3::zeros(), 1.0, 1.0), &square, &BranchOptions::default());
         assert_eq!(found[0].kind, BranchType::Regular);
         assert!(found[0].closed && found[0].coverage == [1.0, 1.0]);
+    }
+
+    /// The share of both rails that the best branch uses, and whether it goes on as straight as it should: both at the same share of
+    /// their own.
+    fn followed(a: &Rail, b: &Rail) -> ([f64; 2], f64) {
+        let found = branches(a, b, &BranchOptions::default());
+        let best =
+            found.iter().find(|f| f.kind == BranchType::Regular && f.direction == Direction::Same).expect("a branch");
+        let off = best.stations.iter().map(|s| (s[0] - s[1]).abs()).fold(0.0, f64::max);
+        (best.coverage, off)
+    }
+
+    #[test]
+    fn a_curve_that_bends_both_ways_and_its_copy_are_followed_from_end_to_end() {
+        let s = |z: f64, k: f64| {
+            let points = [[0.0, 0.0], [40.0, 0.0], [60.0, 60.0], [100.0, 60.0]].map(|p| [k * p[0], k * p[1], z, 1.0]);
+            let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+            Rail::new("s", &[crate::spline::curve::Curve::new(3, knots, points.to_vec()).expect("a curve")])
+                .expect("a rail")
+        };
+        for k in [1.0, 0.7] {
+            let (coverage, off) = followed(&s(0.0, 1.0), &s(80.0, k));
+            assert!(coverage.iter().all(|c| *c > 1.0 - 1e-9) && off < 1e-6, "{coverage:?} {off}");
+        }
+    }
+
+    /// Lines and arcs: a profile of sheet that bends to one side and back, and the same wider and with other radii.
+    fn joggle(z: f64, [flat, r]: [f64; 2], web: f64) -> Rail {
+        use crate::spline::curve::Curve;
+        let angle = 1.0_f64;
+        let line = |a: Vec3, b: Vec3| {
+            Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[a.x, a.y, a.z, 1.0], [b.x, b.y, b.z, 1.0]]).expect("a line")
+        };
+        let arc = |c: Vec3, from: f64, to: f64| {
+            let (half, mid) = (0.5 * (to - from), 0.5 * (from + to));
+            let w = half.cos();
+            let at = |t: f64, r: f64, w: f64| [w * (c.x + r * t.cos()), w * (c.y + r * t.sin()), w * c.z, w];
+            let points = vec![at(from, r, 1.0), at(mid, r / w, w), at(to, r, 1.0)];
+            Curve::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], points).expect("an arc")
+        };
+        let way = |t: f64| Vec3::new(t.cos(), t.sin(), 0.0);
+        let p = [Vec3::new(0.0, 0.0, z), Vec3::new(flat, 0.0, z)];
+        let c = p[1] + way(FRAC_PI_2) * r;
+        let q = c + way(angle - FRAC_PI_2) * r;
+        let u = q + way(angle) * web;
+        let d = u + way(angle - FRAC_PI_2) * r;
+        let v = d + way(FRAC_PI_2) * r;
+        let pieces = [
+            line(p[0], p[1]),
+            arc(c, -FRAC_PI_2, angle - FRAC_PI_2),
+            line(q, u),
+            arc(d, angle + FRAC_PI_2, FRAC_PI_2),
+            line(v, v + way(0.0) * flat),
+        ];
+        Rail::new("joggle", &pieces).expect("a rail")
+    }
+
+    #[test]
+    fn straight_parts_that_are_parallel_lead_from_bend_to_bend() {
+        let first = joggle(0.0, [50.0, 30.0], 20.0);
+        for other in [joggle(80.0, [50.0, 30.0], 20.0), joggle(80.0, [80.0, 12.0], 35.0)] {
+            let (coverage, _) = followed(&first, &other);
+            assert!(coverage.iter().all(|c| *c > 1.0 - 1e-9), "{coverage:?}");
+        }
+    }
+
+    #[test]
+    fn a_star_and_its_copy_are_followed_all_the_way_round() {
+        let corner = |k: u32, z: f64| {
+            let (r, t) = (if k % 2 == 0 { 50.0 } else { 25.0 }, f64::from(k % 10) * 0.2 * std::f64::consts::PI);
+            Vec3::new(r * t.cos(), r * t.sin(), z)
+        };
+        let star =
+            |z: f64| Rail::polyline("star", &(0..=10).map(|k| corner(k, z)).collect::<Vec<_>>()).expect("a rail");
+        let found = branches(&star(0.0), &star(80.0), &BranchOptions::default());
+        assert!(found[0].closed && found[0].coverage == [1.0; 2], "{:?} {:?}", found[0].closed, found[0].coverage);
     }
 
     #[test]

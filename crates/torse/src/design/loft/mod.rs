@@ -2,9 +2,11 @@
 //! least twist where there is no branch.
 
 pub(crate) mod alternatives;
+pub mod branch;
 pub mod branches;
 pub mod build;
 pub mod least_twist;
+mod links;
 pub(crate) mod net_strip;
 pub(crate) mod on_torse;
 pub(crate) mod orientation;
