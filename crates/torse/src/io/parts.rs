@@ -53,11 +53,14 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             .and_then(|p| p.sheet_bends.iter().filter_map(|b| b.least_inside_radius).reduce(f64::min));
         let drawn = inside.or(drawn);
         let faces = part.filter(|_| drawn.is_some()).and_then(|p| radius_of_faces(report, p));
-        let least = faces.or(drawn);
-        let basis = match (faces, drawn) {
-            (Some(_), _) => "face",
-            (None, Some(_)) => "bend lines",
-            (None, None) => "",
+        // With a thickness it is the inside of the sheet that is asked for, whichever side of it was given.
+        let of_sheet = part.and_then(|p| p.inside_radius).filter(|_| inside.is_none() && drawn.is_some());
+        let least = of_sheet.or(faces).or(drawn);
+        let basis = match (of_sheet, faces, drawn) {
+            (Some(_), ..) => "inside",
+            (None, Some(_), _) => "face",
+            (None, None, Some(_)) => "bend lines",
+            (None, None, None) => "",
         };
         let bound = part.filter(|p| drawn.is_some() && p.thickness.is_none()).and_then(|p| radius_bound(report, p));
         // Writing to a string cannot fail.

@@ -25,6 +25,7 @@ use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
+use crate::search::strips::cut::flat_area;
 pub(crate) use options::WorkshopError;
 use options::MOST_PLANES;
 pub use options::{Stations, WorkshopOptions};
@@ -61,11 +62,12 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
                 let sheet = sheet.as_ref().filter(|_| !own).map(of);
                 return (PartWork { sheet, ..PartWork::default() }, None, false);
             };
-            // The offset of an apex is a curve, which no outline of the panels has.
+            // The offset of an apex is a curve, which no outline of the panels has; a sheet that does not fit has none.
             let apex = part.is_some_and(|p| has_apex(answer, p));
             let of = |s: &Sheet| {
                 let found = s.of(pattern);
-                let neutral = if apex && found.neutral != 0.0 { f64::NAN } else { found.neutral };
+                let none = apex || found.inside_radius <= 0.0;
+                let neutral = if none && found.neutral != 0.0 { f64::NAN } else { found.neutral };
                 PartSheet { neutral, ..found }
             };
             let work = PartWork {
@@ -156,6 +158,10 @@ fn measured_from_now_on(answer: &mut Answer, moved: &[usize]) {
     ];
     answer.claims = kept;
     answer.claims.extend(more);
+    if answer.claim(What::FlatArea).is_some() {
+        answer.claims.retain(|c| c.what() != What::FlatArea);
+        answer.claims.push(flat_area(&answer.patterns));
+    }
 }
 
 /// Patterns of the neutral fibre that do not keep the limits of the sheet, though their panels do.

@@ -6,17 +6,21 @@ use crate::certify::claim::{Claim, Subject};
 use crate::patchwork::pattern::Pattern;
 use crate::reason::JobReason;
 
-/// What stands against cutting parts that are laid flat as they are: a thickness that the sheet has not, or that its bends
+/// What stands against cutting parts: a thickness that the sheet has not, or that its bends
 /// have no room for.
 pub(super) fn refusals(answer: &Answer, options: &WorkshopOptions) -> Vec<Claim> {
-    let (Job::Unroll, Some(asked)) = (answer.job, options.thickness) else { return Vec::new() };
+    let Some(asked) = options.thickness else { return Vec::new() };
+    // Where panels cover faces their certificate tells the inside radius.
+    if answer.job != Job::Unroll && answer.certificate.is_some() {
+        return Vec::new();
+    }
     let unit = answer.cut.unit;
     let refusal = |(k, pattern): (usize, &Pattern)| {
-        let own = answer.sheets.get(k)?;
+        let own = answer.sheets.get(k).map(|s| s.thickness).filter(|t| *t > 0.0);
         let part = || pattern.name.clone();
-        let reason = if own.thickness > 0.0 {
-            let other = (own.thickness - asked).abs() > answer.tolerance.max(SAME_THICKNESS * own.thickness);
-            other.then(|| JobReason::Thickness { part: part(), own: own.thickness, asked, unit })
+        let reason = if let Some(own) = own {
+            let other = (own - asked).abs() > answer.tolerance.max(SAME_THICKNESS * own);
+            other.then(|| JobReason::Thickness { part: part(), own, asked, unit })
         } else {
             let inside = answer.shop.work.get(k).and_then(|w| w.sheet).map(|s| s.inside_radius)?;
             let no_room = inside <= 0.0;

@@ -12,6 +12,13 @@ use crate::patchwork::pattern::Pattern;
 use crate::reason::{Item, Reason, Unlaid};
 use crate::torse::strip::Strip;
 
+/// Area of all patterns together.
+pub(crate) fn flat_area(patterns: &[Pattern]) -> Claim {
+    // The sum of nothing is −0.
+    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
+    Claim::measured(What::FlatArea, Subject::Whole, area)
+}
+
 /// Develops parts. `chains` name their first strip and the number of strips; strips of a chain share rulings.
 ///
 /// Patterns are seen from the side of the model that the options name. Every part asked for is answered: one that cannot be developed is listed with the reason, and without pattern.
@@ -119,9 +126,7 @@ impl Laid {
 
     /// Area of all patterns.
     pub fn area(&self) -> Claim {
-        // The sum of nothing is −0.
-        let area = self.patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
-        Claim::measured(What::FlatArea, Subject::Whole, area)
+        flat_area(&self.patterns)
     }
 
     /// See [`lengths`].
