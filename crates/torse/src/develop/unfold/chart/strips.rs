@@ -99,7 +99,12 @@ impl Cutter<'_> {
         };
         let off =
             LOOKED_AT.iter().map(|t| self.distance(&map, a + (b - a) * t)).try_fold(0.0_f64, |m, d| Some(m.max(d?)))?;
-        if off > self.near * self.extent && depth > 0 {
+        let is_near = off <= self.near * self.extent;
+        // Near a regression curve no cone is near, however narrow the strip.
+        if !is_near && depth == 0 && matches!(self.meet, Meet::Anywhere) {
+            return None;
+        }
+        if !is_near && depth > 0 {
             let m = 0.5 * (a + b);
             self.divide([a, m], depth - 1)?;
             return self.divide([m, b], depth - 1);
