@@ -9,12 +9,12 @@ use crate::brep::face::Face;
 use crate::certify;
 use crate::certify::claim::{Claim, Status, Subject};
 use crate::control::Control;
-use crate::develop::joints::with_joint_marks;
+use crate::develop::joints::{with_joint_marks, with_marks_across};
 use crate::develop::pattern::with_bends;
 use crate::develop::view::panels_viewed;
 use crate::io::model::Model;
 use crate::io::words;
-use crate::patchwork::panel::Patchwork;
+use crate::patchwork::panel::{Border, Patchwork};
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Item, JobReason, Reason, Unlaid};
@@ -24,6 +24,7 @@ use crate::search::cover::CoverOptions;
 use crate::search::creased::between_sharp_creases;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
 use crate::search::smooth::smoothly_joined;
+use crate::search::stitch::across::met_across;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use checks::{checked, checked_curves, checked_number, told_of_curves};
 pub use error::ApproximateError;
@@ -90,7 +91,12 @@ pub fn of_faces(
     let faces = beside_apexes(faces, Hair::FINE, tolerance);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
-    let (built, flat_time) = covered(faces, options, control);
+    let (mut built, flat_time) = covered(faces, options, control);
+    if options.meet {
+        let whole: Vec<&Built> = built.iter().flatten().collect();
+        let met = met_across(&whole, tolerance, &options.limits, control);
+        built.iter_mut().flatten().zip(met).for_each(|(b, met)| met.into_iter().for_each(|met| *b = met));
+    }
     let Whole { patchwork, certificates, patterns, along, mut missing } = whole(built, &mut skipped);
     if patchwork.faces.is_empty() {
         let why = skipped.first().map_or(String::new(), words::left_out);
@@ -99,6 +105,7 @@ pub fn of_faces(
     control.report("judging flat patterns", f64::NAN, format!("{} panels", patchwork.panels.len()));
     let certificate = certify::join(&patchwork, certificates, tolerance);
     let patterns = with_bends(&patchwork, patterns, &options.drawn.bends.of_job(tolerance));
+    let patterns = with_marks_across(&patchwork, patterns);
     let patterns = with_joint_marks(&patchwork, patterns, JOINT_REACH * tolerance);
     let missed = limits_missed(&patchwork, &certificate, &patterns, &options.limits);
     missing.extend(missed.reasons);
@@ -238,6 +245,8 @@ fn whole(built: Vec<Result<Built, Skipped>>, skipped: &mut Vec<Skipped>) -> Whol
             Err(s) => skipped.push(s),
         }
     }
+    let runs = out.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
+    out.patchwork.joint_count = runs.filter(|r| matches!(r.border, Border::Joint { first: true, .. })).count();
     out
 }
 
