@@ -23,8 +23,8 @@ use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
 use crate::search::creased::between_sharp_creases;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
+use crate::search::meeting::all_met;
 use crate::search::smooth::smoothly_joined;
-use crate::search::stitch::across::met_across;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use checks::{checked, checked_curves, checked_number, told_of_curves};
 pub use error::ApproximateError;
@@ -41,9 +41,6 @@ mod options;
 
 /// Time for the proof of flat patterns where a job was asked to stop: these wait until they are proven or not cut.
 const FLAT_GRACE: Duration = Duration::from_millis(500);
-/// Where they have been proven before strips are to meet: of the time that this took, what is left for them then too, and the
-/// most.
-const FLAT_AGAIN: (f64, Duration) = (2.0, Duration::from_secs(10));
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
 const JOINT_REACH: f64 = 2.0;
 
@@ -91,12 +88,7 @@ pub fn of_faces(
     let faces = beside_apexes(faces, Hair::FINE, tolerance);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
-    let (mut built, flat_time) = covered(faces, options, control);
-    if options.meet {
-        let whole: Vec<&Built> = built.iter().flatten().collect();
-        let met = met_across(&whole, tolerance, &options.limits, control);
-        built.iter_mut().flatten().zip(met).for_each(|(b, met)| met.into_iter().for_each(|met| *b = met));
-    }
+    let (built, flat_time) = covered(faces, options, control);
     let Whole { patchwork, certificates, patterns, along, mut missing } = whole(built, &mut skipped);
     if patchwork.faces.is_empty() {
         let why = skipped.first().map_or(String::new(), words::left_out);
@@ -186,37 +178,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Resul
             built
         })
         .collect();
-    all_met(found, control)
-}
-
-/// The panels of faces, laid anew where neighbours are to meet: after all faces have panels, so that time that is short goes
-/// to covers. Second result: what to leave for the proof of flat patterns.
-fn all_met(mut found: Vec<Result<Covered, Skipped>>, control: &Control) -> (Vec<Result<Built, Skipped>>, Duration) {
-    let total = found.iter().flatten().filter(|c| c.is_apart()).count();
-    let finished = AtomicUsize::new(0);
-    let start = Instant::now();
-    found.par_iter_mut().flatten().for_each(|c| c.judge_flat(control));
-    let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
-    if total > 0 {
-        control.report("joining strips", 0.0, format!("0 of {total}"));
-    }
-    let until = control.remaining().map(|left| Instant::now() + left.saturating_sub(flat_time));
-    let control = until.map_or_else(|| control.clone(), |end| control.clone().until(end));
-    let met = found
-        .into_par_iter()
-        .enumerate()
-        .map(|(index, covered)| {
-            let covered = covered?;
-            let counts = covered.is_apart();
-            let built = covered.met(index, &control);
-            if counts {
-                let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
-            }
-            Ok(built)
-        })
-        .collect();
-    (met, flat_time)
+    all_met(found, options.meet.then_some((options.tolerance, &options.limits)), control)
 }
 
 /// The panels of all faces.

@@ -36,6 +36,7 @@ const SMOOTHINGS: usize = 4;
 const RELAXATIONS: usize = 3;
 
 /// One face with its panels, their proof and their flat patterns.
+#[derive(Clone)]
 pub(crate) struct Built {
     pub patchwork: Patchwork,
     pub certificate: Certificate,

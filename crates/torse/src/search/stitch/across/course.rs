@@ -43,6 +43,13 @@ impl Near<'_> {
         let r = self.torse.ruling(self.t);
         Some((r.normal, r.normal.dot(&(x - r.point))))
     }
+
+    /// Height (mm) of the torse over a point, about, along a normal of the face.
+    pub fn height(&mut self, x: &Vec3, normal: &Vec3) -> Option<f64> {
+        let (n, off) = self.plane(x)?;
+        let along = n.dot(normal);
+        Some(-off * along.signum()).filter(|h| h.is_finite())
+    }
 }
 
 /// The point that all torses have in common near `x`, within the plane through `x` square to `across` if there is one, and

@@ -7,11 +7,14 @@
 //! rest is proven. Nothing is judged here.
 
 mod course;
+mod heights;
 mod places;
 mod vertices;
 
 use crate::certify::{Known, SeamStatus};
 use crate::control::Control;
+use crate::fit::panels::boundary::TrimChain;
+use crate::geom::Vec3;
 use crate::patchwork::panel::Border;
 use crate::search::build::{limits_missed, rebuilt, Built, Rebuilding};
 use crate::search::cover::Limits;
@@ -19,20 +22,33 @@ use crate::search::stitch::attempts::unproven;
 use crate::search::stitch::seams::{kept, SharedSeam};
 use crate::torse::form::Torse;
 use course::{course, ended_anew, parts, Beside, Course};
+use heights::counts;
 use places::{common, cut, shares_along, Common, Ground};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use vertices::{Corners, Torses};
+use vertices::{Corners, InnerSeam, Torses};
 
 /// Rounds of building panels without the edges that were refused, at most.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 16;
 /// Edges farther than this multiple of the tolerance from the model's are not worth a proof.
 const REACH: f64 = 1.0;
 
-/// The panels of faces, those beside edges at which faces meet at an angle ended in common edges, as far as that can be proven;
-/// `None` for faces that stay as they are. `tolerance` in mm.
-pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, control: &Control) -> Vec<Option<Built>> {
-    let nothing = || built.iter().map(|_| None).collect();
+/// Panels of faces, some of which end in common edges.
+#[derive(Default)]
+pub(crate) struct Across {
+    /// The faces that change.
+    pub built: Vec<Option<Built>>,
+    /// Length (mm) of the common edges.
+    pub length: f64,
+    /// For each face beside an edge at which panels do not meet: places along all edges at which it meets others, and what
+    /// distances of panels should count there for them to meet.
+    pub lower: Vec<Vec<(Vec3, f64)>>,
+}
+
+/// The panels of faces, those beside edges at which faces meet at an angle ended in common edges, as far as that can be proven.
+/// `tolerance` in mm.
+pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, control: &Control) -> Across {
+    let nothing = || Across { built: built.iter().map(|_| None).collect(), ..Across::default() };
     if built.len() < 2 || control.stopped() {
         return nothing();
     }
@@ -42,16 +58,26 @@ pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, cont
     let known: Vec<Known> = built.iter().map(|_| Known::default()).collect();
     let attempt = Attempt { built, grounds, all, known, tolerance, limits, control, torses: Torses::of(built) };
     let mut refused = BTreeSet::new();
+    let mut out = nothing();
     for _ in 0..ROUNDS {
         if control.stopped() || refused.len() == attempt.all.len() {
             break;
         }
         match attempt.made(&refused) {
-            Ok(found) => return found,
+            Ok(found) => {
+                out.built = found;
+                let met = (0..attempt.all.len()).filter(|e| !refused.contains(e));
+                out.length = met.map(|e| attempt.all[e].chains[0].length).sum();
+                break;
+            }
             Err(bad) => refused.extend(bad),
         }
     }
-    nothing()
+    if out.length <= 0.0 {
+        refused = (0..attempt.all.len()).collect();
+    }
+    out.lower = attempt.lower(&refused);
+    out
 }
 
 fn ground(built: &Built) -> Ground<'_> {
@@ -91,7 +117,7 @@ impl Attempt<'_> {
     /// The faces with all common edges but those that were refused. Errors are edges to do without.
     fn made(&self, refused: &BTreeSet<usize>) -> Result<Vec<Option<Built>>, Vec<usize>> {
         let wanted: Vec<usize> = (0..self.all.len()).filter(|e| !refused.contains(e)).collect();
-        let seams: Vec<Vec<(Vec<u32>, [u32; 2], bool)>> = self.seams();
+        let seams: Vec<Vec<InnerSeam>> = self.seams();
         let mut corners = Corners::of(&self.all, &wanted, &seams);
         self.without_clashes(&corners, &seams)?;
         let bad = corners.placed(&self.all, &self.grounds, &self.torses, self.tolerance);
@@ -106,8 +132,8 @@ impl Attempt<'_> {
         let bad: BTreeSet<usize> = made
             .iter()
             .enumerate()
-            .filter_map(|(face, m)| Some((face, &m.as_ref()?.1)))
-            .flat_map(|(face, labels)| self.beside(face, labels, &wanted, &corners))
+            .filter_map(|(face, m)| Some((face, m.as_ref()?)))
+            .flat_map(|(face, m)| self.beside(face, m, &wanted, &corners))
             .collect();
         if !bad.is_empty() {
             return Err(bad.into_iter().collect());
@@ -118,28 +144,30 @@ impl Attempt<'_> {
     }
 
     /// Seams inside faces: vertices, labels, and whether both panels have one edge.
-    fn seams(&self) -> Vec<Vec<(Vec<u32>, [u32; 2], bool)>> {
+    fn seams(&self) -> Vec<Vec<InnerSeam>> {
         let of = |(b, g): (&&Built, &Ground)| {
             let borders = g.borders();
             let shared: BTreeSet<usize> = kept(&b.patchwork, &borders).iter().map(|s| s.chain).collect();
             let chains = borders.seam_chains().into_iter();
-            chains.map(|c| (c.vertices, c.labels, shared.contains(&c.chain))).collect()
+            chains
+                .map(|c| InnerSeam { shared: shared.contains(&c.chain), vertices: c.vertices, labels: c.labels })
+                .collect()
         };
         self.built.iter().zip(&self.grounds).map(of).collect()
     }
 
     /// Where a seam that is not one edge ends at common edges on both of its sides these end apart: the shorter is left.
-    fn without_clashes(&self, corners: &Corners, seams: &[Vec<(Vec<u32>, [u32; 2], bool)>]) -> Result<(), Vec<usize>> {
+    fn without_clashes(&self, corners: &Corners, seams: &[Vec<InnerSeam>]) -> Result<(), Vec<usize>> {
         let mut bad = Vec::new();
         for corner in &corners.all {
-            for &(face, seam, _) in corner.seams.iter().filter(|s| !seams[s.0][s.1].2) {
+            for &(face, seam, _) in corner.seams.iter().filter(|s| !seams[s.0][s.1].shared) {
                 let of = |label: u32| {
                     corner.edges.iter().map(|e| e.0).find(|&e| {
                         let Common { faces, chains, .. } = &self.all[e];
                         (0..2).any(|k| faces[k] == face && chains[k].label == label)
                     })
                 };
-                let [a, b] = seams[face][seam].1.map(of);
+                let [a, b] = seams[face][seam].labels.map(of);
                 if let (Some(a), Some(b)) = (a, b) {
                     let length = |e: usize| self.all[e].chains[0].length;
                     bad.push(if length(a) < length(b) { a } else { b });
@@ -200,7 +228,7 @@ impl Attempt<'_> {
             second = second.iter().rev().map(|s| 1.0 - s).collect();
         }
         let first = course.at.iter().copied().step_by(parts).collect();
-        let side = |chain: &crate::fit::panels::boundary::TrimChain, edge, parameters| SharedSeam {
+        let side = |chain: &TrimChain, edge, parameters| SharedSeam {
             chain: chain.chain,
             labels: [chain.label; 2],
             edge,
@@ -211,14 +239,9 @@ impl Attempt<'_> {
     }
 
     /// Seams inside faces that end in corners of common edges, ended there.
-    fn ends(
-        &self,
-        corners: &Corners,
-        seams: &[Vec<(Vec<u32>, [u32; 2], bool)>],
-        changes: &mut [Change],
-    ) -> Result<(), Vec<usize>> {
+    fn ends(&self, corners: &Corners, seams: &[Vec<InnerSeam>], changes: &mut [Change]) -> Result<(), Vec<usize>> {
         let touched: BTreeSet<usize> =
-            corners.all.iter().flat_map(|c| c.seams.iter().filter(|s| seams[s.0][s.1].2).map(|s| s.0)).collect();
+            corners.all.iter().flat_map(|c| c.seams.iter().filter(|s| seams[s.0][s.1].shared).map(|s| s.0)).collect();
         let mut bad = Vec::new();
         for face in touched {
             let borders = self.grounds[face].borders();
@@ -236,10 +259,8 @@ impl Attempt<'_> {
                 match ended_anew(&seam.edge, &seam.parameters, at.map(|c| c.map(|c| c.place)), [p, q]) {
                     Some((edge, parameters)) => {
                         (seam.edge, seam.parameters) = (edge, parameters);
-                        let domain = |n: &course::Near| n.torse.domain();
                         for (label, near) in seam.labels.iter().zip([p, q]) {
-                            let (t0, t1) = domain(&near);
-                            changes[face].uses(*label, [t0, t1]);
+                            changes[face].uses(*label, near.torse.domain().into());
                         }
                         changes[face].edges.push(seam);
                     }
@@ -329,26 +350,54 @@ impl Attempt<'_> {
         out
     }
 
-    /// Edges beside panels that are refused, or that their seams depend on.
-    fn beside(&self, face: usize, labels: &BTreeSet<u32>, wanted: &[usize], corners: &Corners) -> Vec<usize> {
-        if labels.is_empty() {
-            return Vec::new();
-        }
-        let has = |e: &&usize, of: &dyn Fn(u32) -> bool| {
-            let Common { faces, chains, .. } = &self.all[**e];
-            (0..2).any(|k| faces[k] == face && of(chains[k].label))
+    /// Edges beside panels that are refused, the nearest to where these are too far from their face if it is known; else edges that
+    /// their seams depend on.
+    fn beside(&self, face: usize, made: &(Built, BTreeSet<u32>), wanted: &[usize], corners: &Corners) -> Vec<usize> {
+        let (built, labels) = made;
+        let of = |e: &usize| {
+            let Common { faces, chains, .. } = &self.all[*e];
+            (0..2).find(|&k| faces[k] == face).map(|k| &chains[k])
         };
-        let own: Vec<usize> = wanted.iter().filter(|e| has(e, &|l| labels.contains(&l))).copied().collect();
-        if !own.is_empty() {
-            return own;
+        let mut out = Vec::new();
+        for label in labels {
+            let own = wanted.iter().filter(|e| of(e).is_some_and(|c| c.label == *label));
+            let k = built.patchwork.panels.iter().position(|p| p.label() == Some(*label));
+            let place = k.and_then(|k| built.certificate.panels.get(k)?.too_far).map(|(uv, _)| {
+                let surface = &built.patchwork.faces[0].surface;
+                surface.point(uv[0], uv[1])
+            });
+            let Some(x) = place else {
+                out.extend(own);
+                continue;
+            };
+            let away = |e: &usize| {
+                let points = of(e).map_or_else(Vec::new, |c| self.grounds[face].places(&c.vertices, 1));
+                points.iter().map(|p| (p - x).norm_squared()).fold(f64::INFINITY, f64::min)
+            };
+            out.extend(own.min_by(|a, b| away(a).total_cmp(&away(b))));
         }
-        let ends = corners.all.iter().filter(|c| labels.iter().any(|l| c.panels.contains(&(face, *l))));
-        let near: Vec<usize> = ends.flat_map(|c| &c.edges).map(|e| e.0).collect();
-        if near.is_empty() {
-            wanted.iter().filter(|e| has(e, &|_| true)).copied().collect()
-        } else {
-            near
+        if out.is_empty() {
+            let ends = corners.all.iter().filter(|c| labels.iter().any(|l| c.panels.contains(&(face, *l))));
+            out.extend(ends.flat_map(|c| &c.edges).map(|e| e.0));
         }
+        if out.is_empty() && !labels.is_empty() {
+            out.extend(wanted.iter().filter(|e| of(e).is_some()));
+        }
+        out
+    }
+
+    /// See [`Across::lower`]; `open` are the edges at which panels do not meet.
+    fn lower(&self, open: &BTreeSet<usize>) -> Vec<Vec<(Vec3, f64)>> {
+        let counts: Vec<Option<Vec<(Vec3, f64)>>> =
+            self.all.par_iter().map(|e| counts(e, &self.grounds, &self.torses)).collect();
+        let is_open = |e: &usize| open.contains(e);
+        let of = |face: usize| {
+            let beside: Vec<usize> = (0..self.all.len()).filter(|&e| self.all[e].faces.contains(&face)).collect();
+            let wanted = beside.iter().any(|e| is_open(e) && counts[*e].is_some());
+            let places = beside.iter().filter(|_| wanted).filter_map(|e| counts[*e].clone());
+            places.flatten().collect()
+        };
+        (0..self.built.len()).map(of).collect()
     }
 
     /// Tells both sides of each edge of the other.

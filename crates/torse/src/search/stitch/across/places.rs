@@ -5,10 +5,14 @@ use crate::fit::panels::boundary::{Borders, TrimChain};
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders_cut_at;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Borders of two faces within this share of the tolerance are one edge of the model.
 const SAME: f64 = 0.25;
+/// Their ends are one within this share of the tolerance: where seams of both faces end nearer to each other than that, panels
+/// have no common point.
+const ONE_END: f64 = 0.1;
 /// Parts of each edge of a border where it is compared with others.
 const FINE: usize = 4;
 /// Where a vertex is this near (share of the tolerance) to where one is wanted it does.
@@ -30,21 +34,30 @@ impl Ground<'_> {
 
     /// Places along a border, `parts` to each of its edges, in the face.
     pub fn places(&self, vertices: &[u32], parts: usize) -> Vec<Vec3> {
-        let at = |v: u32| self.partition.vertices[v as usize];
         let place = |p: [f64; 2]| self.face.surface.point(p[0], p[1]);
-        let mut out = vec![place(at(vertices[0]))];
+        self.parameters(vertices, parts).into_iter().map(place).collect()
+    }
+
+    /// Their parameters.
+    fn parameters(&self, vertices: &[u32], parts: usize) -> Vec<[f64; 2]> {
+        let at = |v: u32| self.partition.vertices[v as usize];
+        let mut out = vec![at(vertices[0])];
         for w in vertices.windows(2) {
             let (p, q) = (at(w[0]), at(w[1]));
-            out.extend((1..=parts).map(|i| {
-                let share = i as f64 / parts as f64;
-                if i == parts {
-                    place(q)
-                } else {
-                    place([p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share])
-                }
-            }));
+            let between = |share: f64| [p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share];
+            out.extend((1..parts).map(|i| between(i as f64 / parts as f64)));
+            out.push(q);
         }
         out
+    }
+
+    /// Unit normals of the surface at the same places; zero where there is none.
+    pub fn normals(&self, vertices: &[u32], parts: usize) -> Vec<Vec3> {
+        let normal = |p: [f64; 2]| {
+            let normal = self.face.surface.jet(p[0], p[1]).normal();
+            normal.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        };
+        self.parameters(vertices, parts).into_iter().map(normal).collect()
     }
 
     /// Puts a vertex on an edge of the border of the face; result: its number.
@@ -75,13 +88,15 @@ struct Course {
     bbox: BBox,
 }
 
-/// The place on a polyline nearest to a point: distance, number of the stretch, share of it.
+/// The place on a polyline nearest to a point, beside the nearest of its points: distance, number of the stretch, share of it.
 fn nearest(points: &[Vec3], x: &Vec3) -> (f64, usize, f64) {
+    let off = |k: &usize| (points[*k] - x).norm_squared();
+    let k = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
     let mut best = (f64::INFINITY, 0, 0.0);
-    for (i, w) in points.windows(2).enumerate() {
-        let d = w[1] - w[0];
-        let share = ((x - w[0]).dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let far = (w[0] + d * share - x).norm();
+    for i in k.saturating_sub(1)..=k.min(points.len() - 2) {
+        let d = points[i + 1] - points[i];
+        let share = ((x - points[i]).dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let far = (points[i] + d * share - x).norm();
         if far < best.0 {
             best = (far, i, share);
         }
@@ -89,9 +104,19 @@ fn nearest(points: &[Vec3], x: &Vec3) -> (f64, usize, f64) {
     best
 }
 
+/// Whether some place inside one of two borders, of a few, lies on the other.
+fn touch(a: &Course, b: &Course, reach: f64) -> bool {
+    const PROBES: usize = 12;
+    let on = |a: &Course, b: &Course| {
+        let last = a.points.len() - 1;
+        (1..PROBES).any(|k| nearest(&b.points, &a.points[k * last / PROBES]).0 <= reach)
+    };
+    (0..3).all(|d| a.bbox.min[d] <= b.bbox.max[d] && b.bbox.min[d] <= a.bbox.max[d]) && (on(a, b) || on(b, a))
+}
+
 fn courses(grounds: &[Ground], reach: f64) -> Vec<Course> {
-    let mut out = Vec::new();
-    for (face, ground) in grounds.iter().enumerate() {
+    let of = |(face, ground): (usize, &Ground)| {
+        let mut out = Vec::new();
         for chain in ground.borders().trim_chains() {
             let points = ground.places(&chain.vertices, FINE);
             let mut bbox = BBox::empty();
@@ -101,36 +126,43 @@ fn courses(grounds: &[Ground], reach: f64) -> Vec<Course> {
             }
             out.push(Course { face, chain, points, bbox });
         }
-    }
-    out
-}
-
-fn meet(a: &BBox, b: &BBox) -> bool {
-    (0..3).all(|d| a.min[d] <= b.max[d] && b.min[d] <= a.max[d])
+        out
+    };
+    grounds.par_iter().enumerate().flat_map_iter(of).collect()
 }
 
 /// Cuts the borders of faces at the ends of those of others along the same edge of the model.
 pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
     let reach = SAME * tolerance;
     let all = courses(grounds, reach);
+    // Borders that close are cut somewhere: these places stay when others are cut in.
+    for c in &all {
+        let v = &c.chain.vertices;
+        grounds[c.face].cuts.extend([v[0], v[v.len() - 1]]);
+    }
     // By face and edge of its border, where it is to be cut.
     let mut wanted: BTreeMap<(usize, [u32; 2]), Vec<f64>> = BTreeMap::new();
-    for a in &all {
-        for b in all.iter().filter(|b| b.face != a.face && meet(&a.bbox, &b.bbox)) {
-            let ends = [a.points[0], a.points[a.points.len() - 1]];
-            let along = a.points.iter().filter(|x| nearest(&b.points, x).0 <= reach).count();
-            for x in ends {
-                let (far, i, share) = nearest(&b.points, &x);
-                let last = b.points.len() - 1;
-                let apart = |end: &Vec3| (end - x).norm() > 2.0 * reach;
-                // More than the end alone lies along the other border.
-                if far <= reach && along > FINE && apart(&b.points[0]) && apart(&b.points[last]) {
-                    let (edge, within) = (i / FINE, ((i % FINE) as f64 + share) / FINE as f64);
-                    let of = [b.chain.vertices[edge], b.chain.vertices[edge + 1]];
-                    wanted.entry((b.face, of)).or_default().push(within);
-                }
-            }
-        }
+    let ends_on = |a: &Course, b: &Course| -> Vec<((usize, [u32; 2]), f64)> {
+        let ends = [a.points[0], a.points[a.points.len() - 1]];
+        let found = ends.iter().filter_map(|x| {
+            let (far, i, share) = nearest(&b.points, x);
+            let foot = b.points[i] + (b.points[i + 1] - b.points[i]) * share;
+            let apart = |end: &Vec3| (end - foot).norm() > (ONE_END * tolerance).max(2.0 * far);
+            let inside = far <= reach && apart(&b.points[0]) && apart(&b.points[b.points.len() - 1]);
+            let (edge, within) = (i / FINE, ((i % FINE) as f64 + share) / FINE as f64);
+            inside.then(|| ((b.face, [b.chain.vertices[edge], b.chain.vertices[edge + 1]]), within))
+        });
+        found.collect()
+    };
+    let found: Vec<_> = all
+        .par_iter()
+        .flat_map_iter(|a| {
+            let beside = all.iter().filter(|b| b.face != a.face && touch(a, b, reach));
+            beside.flat_map(|b| ends_on(a, b)).collect::<Vec<_>>()
+        })
+        .collect();
+    for (at, share) in found {
+        wanted.entry(at).or_default().push(share);
     }
     for ((face, [a, b]), mut shares) in wanted {
         let ground = &mut grounds[face];
@@ -171,24 +203,25 @@ pub(super) struct Common {
 pub(super) fn common(grounds: &[Ground], tolerance: f64) -> Vec<Common> {
     let reach = SAME * tolerance;
     let all = courses(grounds, reach);
-    let mut found: Vec<(usize, usize, bool)> = Vec::new();
-    let mut uses = vec![0; all.len()];
-    for (i, a) in all.iter().enumerate() {
-        for (j, b) in all.iter().enumerate().skip(i + 1).filter(|(_, b)| b.face != a.face && meet(&a.bbox, &b.bbox)) {
+    let with_later = |i: usize| -> Vec<(usize, usize, bool)> {
+        let a = &all[i];
+        let of = |(j, b): (usize, &Course)| {
             let ends = |c: &Course| [c.points[0], c.points[c.points.len() - 1]];
             let ([p, q], [r, s]) = (ends(a), ends(b));
-            let near = |x: &Vec3, y: &Vec3| (x - y).norm() <= 2.0 * reach;
-            let turned = near(&p, &s) && near(&q, &r);
-            if !(turned || (near(&p, &r) && near(&q, &s))) || a.chain.length <= 4.0 * reach {
-                continue;
-            }
+            let turned = (p - s).norm() + (q - r).norm() < (p - r).norm() + (q - s).norm();
+            let [r, s] = if turned { [s, r] } else { [r, s] };
+            let near = (p - r).norm() <= reach && (q - s).norm() <= reach;
+            let long = a.chain.length > ONE_END * tolerance;
             let along = |x: &Course, y: &Course| x.points.iter().all(|p| nearest(&y.points, p).0 <= reach);
-            if along(a, b) && along(b, a) {
-                found.push((i, j, turned));
-                uses[i] += 1;
-                uses[j] += 1;
-            }
-        }
+            (b.face != a.face && near && long && along(a, b) && along(b, a)).then_some((i, j, turned))
+        };
+        all.iter().enumerate().skip(i + 1).filter_map(of).collect()
+    };
+    let found: Vec<(usize, usize, bool)> = (0..all.len()).into_par_iter().flat_map_iter(with_later).collect();
+    let mut uses = vec![0; all.len()];
+    for &(i, j, _) in &found {
+        uses[i] += 1;
+        uses[j] += 1;
     }
     let of = |&(i, j, turned): &(usize, usize, bool)| {
         let (a, b) = (&all[i], &all[j]);

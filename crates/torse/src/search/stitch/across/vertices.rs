@@ -3,6 +3,7 @@
 use super::course::{common_point, Near};
 use super::places::{Common, Ground};
 use crate::geom::Vec3;
+use crate::patchwork::panel::Coedge;
 use crate::search::build::Built;
 use crate::torse::form::Torse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,9 +13,12 @@ const ON_ALL: f64 = 1e-7;
 /// Torses that have one point in common, whatever they are.
 const GENERIC: usize = 3;
 
+/// A place on the border of a panel's region, and the ruling on which the panel ends there.
+type OnBorder = (Vec3, f64);
+
 /// Panels of faces, by face and label.
 pub(super) struct Torses<'a> {
-    of: BTreeMap<(usize, u32), (&'a Torse, Vec<(Vec3, f64)>)>,
+    of: BTreeMap<(usize, u32), (&'a Torse, Vec<OnBorder>)>,
 }
 
 impl<'a> Torses<'a> {
@@ -27,7 +31,7 @@ impl<'a> Torses<'a> {
                     continue;
                 };
                 let runs = trim.loops.iter().flatten();
-                let place = |v: u32, s: f64, run: &crate::patchwork::panel::Coedge| {
+                let place = |v: u32, s: f64, run: &Coedge| {
                     let [a, b] = partition.vertices[v as usize];
                     (surface.point(a, b), run.trim.point(s)[0])
                 };
@@ -45,6 +49,17 @@ impl<'a> Torses<'a> {
         let t = rulings.iter().min_by(|a, b| (a.0 - x).norm_squared().total_cmp(&(b.0 - x).norm_squared()))?.1;
         Some(Near { torse, t })
     }
+}
+
+/// A seam between panels of one face.
+#[derive(Clone, Debug)]
+pub(super) struct InnerSeam {
+    /// Vertices of its border.
+    pub vertices: Vec<u32>,
+    /// Labels on both sides.
+    pub labels: [u32; 2],
+    /// Whether both panels end in one edge.
+    pub shared: bool,
 }
 
 /// A point in which edges end.
@@ -70,7 +85,7 @@ pub(super) struct Corners {
 
 impl Corners {
     /// The corners of the edges of these numbers, with the seams inside faces that end there.
-    pub fn of(all: &[Common], edges: &[usize], seams: &[Vec<(Vec<u32>, [u32; 2], bool)>]) -> Self {
+    pub fn of(all: &[Common], edges: &[usize], seams: &[Vec<InnerSeam>]) -> Self {
         let mut out = Self { all: Vec::new(), of: BTreeMap::new() };
         for &e in edges {
             let Common { faces, chains, turned } = &all[e];
@@ -86,11 +101,11 @@ impl Corners {
             }
         }
         for (face, seams) in seams.iter().enumerate() {
-            for (k, (vertices, labels, _)) in seams.iter().enumerate() {
+            for (k, InnerSeam { vertices, labels, shared }) in seams.iter().enumerate() {
                 for (v, first) in [(vertices[0], true), (vertices[vertices.len() - 1], false)] {
                     let Some(&corner) = out.of.get(&(face, v)) else { continue };
                     out.all[corner].seams.push((face, k, first));
-                    if seams[k].2 {
+                    if *shared {
                         out.all[corner].panels.extend(labels.map(|l| (face, l)));
                     }
                 }
