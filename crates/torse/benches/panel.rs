@@ -113,6 +113,6 @@ fn flat_pattern(bencher: Bencher, tolerance: f64) {
     let (panel, _) = borders.panel(0, &assigned, &OPTIONS).expect("a panel");
     let faces = vec![face.clone()];
     let partitions = vec![partition.clone()];
-    let patchwork = Patchwork { faces, partitions, panels: vec![panel], seam_count: 0 };
+    let patchwork = Patchwork { faces, partitions, panels: vec![panel], seam_count: 0, joint_count: 0 };
     bencher.bench_local(|| pattern(&patchwork, 0, &PatternOptions::new(tolerance)));
 }

@@ -1,5 +1,6 @@
 //! The library as its users meet it: every job from what is read to what is written, laws, readers, proofs.
 
+mod across;
 mod approximate;
 mod cones;
 mod discrete;

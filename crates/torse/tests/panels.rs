@@ -84,7 +84,7 @@ fn build(face: Face, partition: Partition, torses: &[(u32, &Torse, PanelKind)]) 
     let out = panels((0, &face), &partition, &assigned, &trim_edge, 0, &FINE).expect("panels");
     let (panels, seam_count) = (out.panels, out.seam_count);
     drop(trim_edge);
-    Patchwork { faces: vec![face], partitions: vec![partition], panels, seam_count }
+    Patchwork { faces: vec![face], partitions: vec![partition], panels, seam_count, joint_count: 0 }
 }
 
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -283,7 +283,7 @@ pub fn specimen(random: &mut Random, kind: usize) -> Option<(Patchwork, f64)> {
         outline: Vec::new(),
     };
     let faces = vec![Face::untrimmed(s)];
-    Some((Patchwork { faces, partitions: vec![partition], panels: vec![panel], seam_count: 0 }, size))
+    Some((Patchwork { faces, partitions: vec![partition], panels: vec![panel], seam_count: 0, joint_count: 0 }, size))
 }
 
 fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, edge: u32) -> Option<Coedge> {

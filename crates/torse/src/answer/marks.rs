@@ -36,7 +36,7 @@ impl Marks {
                 !proven || !flat || refused || answer.beyond_limits.contains(&k)
             })
             .collect();
-        let seams_unknown = certificate.seams.len() < answer.patchwork.seam_count;
+        let seams_unknown = certificate.seams.len() < answer.patchwork.seam_count + answer.patchwork.joint_count;
         let whole = certificate.covered || seams_unknown;
         if is_refused(&answer.claims) && !panels.contains(&true) && whole {
             panels.fill(true);

@@ -124,6 +124,8 @@ pub struct Certificate {
     pub(super) parts: CertificateParts,
     /// Of the patchworks that were judged, in order.
     pub(super) of: Vec<Fingerprint>,
+    /// Of the joints between them.
+    pub(super) joints: u64,
 }
 
 impl Deref for PanelCertificate {

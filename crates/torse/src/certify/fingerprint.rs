@@ -45,6 +45,20 @@ impl Fingerprint {
     }
 }
 
+/// Of which runs are sides of joints between faces.
+pub(super) fn of_joints(patchwork: &Patchwork) -> u64 {
+    let mut h = DefaultHasher::new();
+    patchwork.joint_count.hash(&mut h);
+    for (k, panel) in patchwork.panels.iter().enumerate() {
+        for (i, run) in panel.loops().iter().flatten().enumerate() {
+            if let Border::Joint { .. } = run.border {
+                (k, i, run.border).hash(&mut h);
+            }
+        }
+    }
+    h.finish()
+}
+
 /// Of a surface as it is.
 pub(super) fn of_surface(surface: &Surface) -> u64 {
     let mut h = DefaultHasher::new();
@@ -177,7 +191,8 @@ fn shape(p: &Panel, form: &PanelForm, h: &mut DefaultHasher) {
 fn run(r: &Coedge, first_seam: usize, h: &mut DefaultHasher) {
     match r.border {
         Border::Seam { seam, forward } => (0u8, (seam as usize).wrapping_sub(first_seam), forward).hash(h),
-        Border::Trim { edge } => (1u8, edge).hash(h),
+        // What is beyond the border of a face is another patchwork: see `of_joints`.
+        Border::Trim { edge } | Border::Joint { edge, .. } => (1u8, edge).hash(h),
     }
     r.vertices.hash(h);
     course(r, h);

@@ -111,7 +111,7 @@ pub(super) fn panel_certificate(
 }
 
 /// Where positions are reckoned from: the tip, if there is one, or else the middle of the patch.
-fn place_on(ruled: &Ruled) -> Vec3 {
+pub(super) fn place_on(ruled: &Ruled) -> Vec3 {
     let breaks = ruled.breaks();
     let middle = || ruled.middle(0.5 * (breaks[0] + breaks[breaks.len() - 1]));
     Vec3::from(ruled.tip().unwrap_or_else(middle))

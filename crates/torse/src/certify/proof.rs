@@ -6,9 +6,9 @@ use super::coverage::{self, loops_bound_triangles};
 use super::fingerprint::{self, Fingerprint};
 use super::known::{Known, ProvenPanel};
 use super::local::way;
-use super::panel::{panel_certificate, Ground};
+use super::panel::{panel_certificate, place_on, Ground};
 use super::prepared::Prepared;
-use super::ruled::RuledJets;
+use super::ruled::{Ruled, RuledJets};
 use super::ruled_panel::ruled_panel;
 use super::seams::{self, SeamSide};
 use crate::control::Control;
@@ -59,7 +59,7 @@ fn judged(patchwork: &Patchwork, tolerance: f64, control: &Control, known: Optio
     let least = SMALLEST_RELATIVE_TOLERANCE * size.diagonal();
     if !(tolerance >= least && tolerance.is_finite()) {
         out.missing.push(ProofFault::Precision { tolerance, least }.into());
-        return Certificate { parts: out, of };
+        return Certificate { parts: out, of, joints: fingerprint::of_joints(patchwork) };
     }
     for (i, face) in patchwork.faces.iter().enumerate() {
         if !(face.joint_bound() >= 0.0 && face.joint_bound().is_finite()) {
@@ -74,24 +74,62 @@ fn judged(patchwork: &Patchwork, tolerance: f64, control: &Control, known: Optio
     match seam_gaps(patchwork, &jets, tolerance, known) {
         Ok(gaps) => {
             out.seam_gap_bound = gaps.iter().map(|g| g.0).fold(0.0, f64::max);
-            let record = |s: &Seam| {
-                let unknown = (f64::INFINITY, f64::INFINITY);
-                let (gap_bound, length_difference_bound) = gaps.get(s.seam as usize).copied().unwrap_or(unknown);
-                SeamCertificate(SeamParts {
-                    panels: s.sides.map(|s| s.panel),
-                    gap_bound,
-                    length_difference_bound,
-                    status: SeamStatus::of(s.is_shared(), gap_bound, tolerance),
-                    length_estimate: s.length(),
-                    kink_range_estimate: s.kink_range_estimate(),
-                })
-            };
-            out.seams = patchwork.seams().iter().map(record).collect();
+            let unknown = (f64::INFINITY, f64::INFINITY);
+            let record = |s: &Seam| seam_record(s, gaps.get(s.seam as usize).copied().unwrap_or(unknown), tolerance);
+            let inside = |s: &&Seam| (s.seam as usize) < patchwork.seam_count;
+            out.seams = patchwork.seams().iter().filter(inside).map(record).collect();
         }
         Err((seam, fault)) => out.missing.push(ProofFault::Seams { seam, fault }.into()),
     }
+    joints_of(patchwork, &mut out);
     out.certified = out.covered && out.missing.is_empty() && out.deviation_bound <= tolerance;
-    Certificate { parts: out, of }
+    Certificate { parts: out, of, joints: fingerprint::of_joints(patchwork) }
+}
+
+/// What is known of a seam, given the bounds of its gap and of the difference of lengths.
+fn seam_record(s: &Seam, (gap_bound, length_difference_bound): (f64, f64), tolerance: f64) -> SeamCertificate {
+    SeamCertificate(SeamParts {
+        panels: s.sides.map(|s| s.panel),
+        gap_bound,
+        length_difference_bound,
+        status: SeamStatus::of(s.is_shared(), gap_bound, tolerance),
+        length_estimate: s.length(),
+        kink_range_estimate: s.kink_range_estimate(),
+    })
+}
+
+/// Adds what is known of the joints between faces: each must have two sides, and its gap is bounded as that of a seam.
+fn joints_of(patchwork: &Patchwork, out: &mut CertificateParts) {
+    let joints: Vec<Seam> =
+        patchwork.seams().into_iter().filter(|s| (s.seam as usize) >= patchwork.seam_count).collect();
+    let sides = patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
+    let sides = sides.filter(|r| matches!(r.border, Border::Joint { .. })).count();
+    if joints.len() != patchwork.joint_count || sides != 2 * patchwork.joint_count {
+        out.missing.push(ProofFault::Seams { seam: patchwork.seam_count, fault: SeamFault::Sides(sides) }.into());
+        return;
+    }
+    let tolerance = out.tolerance;
+    let found: Vec<Result<(SeamCertificate, f64), (usize, SeamFault)>> = joints
+        .par_iter()
+        .map(|s| {
+            let patches = s.sides.map(|side| Ruled::new(&side.of.strip.patch));
+            let [Some(p), Some(q)] = &patches else { return Err((s.seam as usize, SeamFault::NoPatch)) };
+            let jets = [p, q].map(|r| RuledJets::new(r, place_on(r).as_ref()));
+            let sides = [0, 1].map(|k: usize| SeamSide { jets: &jets[k], trim: &s.sides[k].run.trim });
+            let gap = seams::gap_bound(sides, s.turned, tolerance).ok_or((s.seam as usize, SeamFault::Leaves))?;
+            let lengths = seams::length_difference(sides, s.turned, tolerance).unwrap_or(f64::INFINITY);
+            Ok((seam_record(s, (gap, lengths), tolerance), gap))
+        })
+        .collect();
+    for joint in found {
+        match joint {
+            Ok((record, gap)) => {
+                out.seam_gap_bound = out.seam_gap_bound.max(gap);
+                out.seams.push(record);
+            }
+            Err((seam, fault)) => out.missing.push(ProofFault::Seams { seam, fault }.into()),
+        }
+    }
 }
 
 /// Coverage, by counting. For every face how far, in each parameter, the partition's vertices lie off the trimming
@@ -240,16 +278,19 @@ pub fn join(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certi
         (out.certified, out.covered) = (false, false);
         out.missing.push(ProofFault::Another.into());
     }
+    let before = out.missing.len();
+    joints_of(whole, &mut out);
+    out.certified &= out.missing.len() == before;
     if !out.certified && out.missing.is_empty() {
         out.missing.push(ProofFault::Larger.into());
     }
-    Certificate { parts: out, of }
+    Certificate { parts: out, of, joints: fingerprint::of_joints(whole) }
 }
 
 impl Certificate {
     /// Whether this is about the very patchwork, bit by bit.
     pub fn is_of(&self, patchwork: &Patchwork) -> bool {
-        Fingerprint::make_up(&self.of, patchwork)
+        Fingerprint::make_up(&self.of, patchwork) && self.joints == fingerprint::of_joints(patchwork)
     }
 }
 
@@ -289,9 +330,9 @@ fn seam_gaps(
                 return Err((seam, SeamFault::NoPatch));
             };
             let prove = || {
-                let (a, b) = (SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim });
-                let gap = seams::gap_bound(a, b, tolerance)?;
-                Some((gap, seams::length_difference(a, b, tolerance).unwrap_or(f64::INFINITY)))
+                let sides = [SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim }];
+                let gap = seams::gap_bound(sides, true, tolerance)?;
+                Some((gap, seams::length_difference(sides, true, tolerance).unwrap_or(f64::INFINITY)))
             };
             let of = [(*i, a), (*j, b)].map(|(k, run)| (&patchwork.panels[k], *run));
             let found = match known {

@@ -25,13 +25,13 @@ pub(super) struct SeamSide<'a> {
     pub trim: &'a Curve<2>,
 }
 
-/// Bound (mm) of the gap along a seam whose sides run against each other. `None` if a curve leaves its patch.
-pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
+/// Bound (mm) of the gap along a seam, whose sides run against each other if `turned`. `None` if a curve leaves its patch.
+pub(super) fn gap_bound([a, b]: [SeamSide; 2], turned: bool, tolerance: f64) -> Option<f64> {
     let shift = sub(&exact(&Vec3::from(a.jets.origin)), &exact(&Vec3::from(b.jets.origin)));
     let mut cuts: Vec<f64> = a.cuts();
     // 1 − s is rounded; the pieces of the other curve are cut at the rounded places, see `SeamSide::over`.
-    cuts.extend(b.cuts().into_iter().map(|t| 1.0 - t));
-    greatest(cuts, EXCESS * tolerance, |s0, s1| piece(a, b, &shift, s0, s1))
+    cuts.extend(b.cuts().into_iter().map(|t| if turned { 1.0 - t } else { t }));
+    greatest(cuts, EXCESS * tolerance, |s0, s1| piece([a, b], turned, &shift, [s0, s1]))
 }
 
 /// Bound (mm) of the difference between the lengths of the two sides of a seam: what one flat pattern is longer than the
@@ -39,13 +39,14 @@ pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64>
 ///
 /// `|p'| − |q'| = (p' − q')·m`, `m = (p' + q')/(|p'| + |q'|)`; over a piece the integral of `p' − q'` is known from the
 /// ends, and m is nearly constant.
-pub(super) fn length_difference(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
+pub(super) fn length_difference([a, b]: [SeamSide; 2], turned: bool, tolerance: f64) -> Option<f64> {
     let mut cuts: Vec<f64> = a.cuts();
-    cuts.extend(b.cuts().into_iter().map(|t| 1.0 - t));
+    cuts.extend(b.cuts().into_iter().map(|t| if turned { 1.0 - t } else { t }));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
-    let over =
-        |s0: f64, s1: f64| length_difference_over(a, b, s0, s1).map(|(known, spread)| Piece { s0, s1, known, spread });
+    let over = |s0: f64, s1: f64| {
+        length_difference_over([a, b], turned, [s0, s1]).map(|(known, spread)| Piece { s0, s1, known, spread })
+    };
     let mut pieces: Vec<Piece> = cuts.windows(2).map(|w| over(w[0], w[1])).collect::<Option<_>>()?;
     let most = LENGTH_LOOKS * pieces.len();
     let mut looks = pieces.len();
@@ -77,13 +78,13 @@ struct Piece {
 }
 
 /// What one side is longer than the other over a piece: what the ends tell, and by how much it may be off.
-fn length_difference_over(a: SeamSide, b: SeamSide, s0: f64, s1: f64) -> Option<(Interval, f64)> {
-    if let (Some(p), Some(q)) = (a.model(s0, s1, false), b.model(s0, s1, true)) {
+fn length_difference_over([a, b]: [SeamSide; 2], turned: bool, [s0, s1]: [f64; 2]) -> Option<(Interval, f64)> {
+    if let (Some(p), Some(q)) = (a.model(s0, s1, false), b.model(s0, s1, turned)) {
         let off = p.minus(&q);
         let [first, last] = off.ends();
         return Some(difference_of([p.velocity(), q.velocity()], &sub(&last, &first), &off.velocity()));
     }
-    let (p, q) = (a.over(s0, s1, false)?, b.over(s0, s1, true)?);
+    let (p, q) = (a.over(s0, s1, false)?, b.over(s0, s1, turned)?);
     let whole = sub(&sub(&p.ends[1], &p.ends[0]), &sub(&q.ends[1], &q.ends[0]));
     let velocities = [p.curve.map(|x| x.d), q.curve.map(|x| x.d)];
     Some(difference_of(velocities, &whole, &sub(&velocities[0], &velocities[1])))
@@ -111,12 +112,12 @@ const LENGTH_WORST: usize = 4;
 const OVERHANG: f64 = 1e-12;
 
 /// Bounds of the gap over a piece and at its ends.
-fn piece(a: SeamSide, b: SeamSide, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
-    if let (Some(p), Some(q)) = (a.model(s0, s1, false), b.model(s0, s1, true)) {
+fn piece([a, b]: [SeamSide; 2], turned: bool, shift: &V3<Interval>, [s0, s1]: [f64; 2]) -> Option<(f64, f64)> {
+    if let (Some(p), Some(q)) = (a.model(s0, s1, false), b.model(s0, s1, turned)) {
         return Some(p.moved(shift).minus(&q).size());
     }
     let p = a.over(s0, s1, false)?;
-    let q = b.over(s0, s1, true)?;
+    let q = b.over(s0, s1, turned)?;
     let rough = (Interval::point(p.rough) + Interval::point(q.rough)).hi;
     let ends = [0, 1].map(|k: usize| add(&sub(&p.ends[k], &q.ends[k]), shift));
     let spread = [0, 1, 2].map(|d: usize| {

@@ -354,5 +354,6 @@ pub(crate) fn two_panels(bump: f64, n: usize) -> Patchwork {
         partitions: vec![partition.clone()],
         panels,
         seam_count: 1,
+        joint_count: 0,
     }
 }

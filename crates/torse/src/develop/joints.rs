@@ -10,6 +10,36 @@ use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::{Mark, MarkPlace, Pattern};
 use std::collections::HashMap;
 
+/// Patterns with marks on the common edges of faces, "S7.1 62.3deg" on both sides: the number of the seam and the angle between
+/// the panels, as on seams inside faces.
+pub(crate) fn with_marks_across(patchwork: &Patchwork, mut patterns: Vec<Pattern>) -> Vec<Pattern> {
+    let of_panel: HashMap<usize, usize> = patterns.iter().enumerate().map(|(k, p)| (p.panel, k)).collect();
+    let diagonal = patchwork.faces.iter().map(|f| f.surface.bbox().diagonal()).fold(0.0, f64::max);
+    let mut maps: HashMap<usize, Option<(Development, bool)>> = HashMap::new();
+    for seam in patchwork.seams().iter().filter(|s| s.seam as usize >= patchwork.seam_count) {
+        for side in &seam.sides {
+            maps.entry(side.panel).or_insert_with(|| map(patchwork, side.panel));
+        }
+        let count = (seam.length() / (MARK_SPACING * diagonal).max(f64::MIN_POSITIVE)).round().clamp(1.0, 9.0) as usize;
+        for k in 1..=count {
+            let s = k as f64 / (count + 1) as f64;
+            let label = format!("S{}.{k} {:.1}deg", seam.seam, seam.kink(s).to_degrees());
+            let on = |i: usize| {
+                let (development, mirrored) = maps[&seam.sides[i].panel].as_ref()?;
+                let side = JointSide { panel: seam.sides[i].panel, run: seam.sides[i].run };
+                let at = if i == 0 { s } else { seam.opposite(s) };
+                let mark = mark(patchwork, &side, at, (development, *mirrored), &label)?;
+                Some((*of_panel.get(&side.panel)?, Mark { on: MarkPlace::Seam, ..mark }))
+            };
+            // On both sides or on none.
+            if let Some(marks) = on(0).zip(on(1)) {
+                [marks.0, marks.1].into_iter().for_each(|(k, mark)| patterns[k].marks.push(mark));
+            }
+        }
+    }
+    patterns
+}
+
 /// Patterns with marks on joints, "J3.1" on both sides; `reach` (mm) is how far from each other the borders of panels may
 /// be that are joined: each is within its deviation of the file's edge. Panels that cannot be developed get none.
 pub(crate) fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>, reach: f64) -> Vec<Pattern> {

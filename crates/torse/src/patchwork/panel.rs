@@ -23,6 +23,37 @@ pub enum Border {
         /// Edge number, see `TrimLoop::edge`.
         edge: u32,
     },
+    /// The boundary of the face where a panel of another face ends in the same edge in space: faces that meet at an angle.
+    Joint {
+        /// Number of the joint among those of the patchwork.
+        joint: u32,
+        /// Edge number of this face, see `TrimLoop::edge`.
+        edge: u32,
+        /// Whether this is the first of both sides.
+        first: bool,
+        /// Whether this panel's run goes along the first one's; always for the first.
+        forward: bool,
+    },
+}
+
+impl Border {
+    /// Whether both are the two sides of one seam or joint, and if so whether they run against each other.
+    pub fn across(&self, other: &Self) -> Option<bool> {
+        match (*self, *other) {
+            (Self::Seam { seam, forward }, Self::Seam { seam: s, forward: f }) => {
+                (seam == s && forward != f).then_some(true)
+            }
+            (Self::Joint { joint, first, forward, .. }, Self::Joint { joint: j, first: other, forward: f, .. }) => {
+                (joint == j && first != other).then_some(forward != f)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a panel is beyond that ends in the same edge, or should: not the border of a face alone.
+    pub fn has_neighbour(&self) -> bool {
+        !matches!(self, Self::Trim { .. })
+    }
 }
 
 /// A smooth stretch of a panel's boundary, with its direction.
@@ -153,6 +184,8 @@ pub struct Patchwork {
     pub panels: Vec<Panel>,
     /// Number of seams.
     pub seam_count: usize,
+    /// Number of joints between faces.
+    pub joint_count: usize,
 }
 
 impl Patchwork {
@@ -164,18 +197,22 @@ impl Patchwork {
     /// Adds the faces, panels and seams of another patchwork.
     pub fn append(&mut self, other: Self) {
         let (faces, seams) = (self.faces.len(), self.seam_count as u32);
+        let joints = self.joint_count as u32;
         self.faces.extend(other.faces);
         self.partitions.extend(other.partitions);
         self.panels.extend(other.panels.into_iter().map(|mut p: Panel| {
             p.trim.iter_mut().for_each(|t| t.face += faces);
             for run in p.loops_mut().iter_mut().flatten() {
-                if let Border::Seam { seam, .. } = &mut run.border {
-                    *seam += seams;
+                match &mut run.border {
+                    Border::Seam { seam, .. } => *seam += seams,
+                    Border::Joint { joint, .. } => *joint += joints,
+                    Border::Trim { .. } => {}
                 }
             }
             p
         }));
         self.seam_count += other.seam_count;
+        self.joint_count += other.joint_count;
     }
 
     /// The face that a panel covers a part of.

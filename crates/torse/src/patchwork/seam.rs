@@ -1,4 +1,4 @@
-//! Seams: stretches of border that two panels share, with both of their sides.
+//! Seams: stretches of border that two panels share, with both of their sides; inside faces, and where faces meet at an angle.
 
 use super::panel::{Border, Coedge, Panel, Patchwork};
 use crate::geom::Vec3;
@@ -17,10 +17,12 @@ pub struct SeamSide<'a> {
 /// A seam: the side that runs along the seam's own direction, and the other one.
 #[derive(Clone, Copy, Debug)]
 pub struct Seam<'a> {
-    /// Number of the seam.
+    /// Number of the seam; joints of faces are numbered after the seams of all faces.
     pub seam: u32,
-    /// Both sides; the second runs backwards.
+    /// Both sides.
     pub sides: [SeamSide<'a>; 2],
+    /// Whether the second side runs backwards: always inside a face, and between faces that are oriented alike.
+    pub turned: bool,
 }
 
 /// Gauss nodes and weights on [0, 1], exact to degree 9.
@@ -33,19 +35,27 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 impl Patchwork {
-    /// Seams with two sides, in the order of their numbers.
+    /// Seams with two sides, in the order of their numbers, then joints between faces.
     pub fn seams(&self) -> Vec<Seam<'_>> {
-        let mut sides: Vec<[Option<SeamSide>; 2]> = vec![[None; 2]; self.seam_count];
+        let mut sides: Vec<[Option<SeamSide>; 2]> = vec![[None; 2]; self.seam_count + self.joint_count];
         for (panel, of) in self.panels.iter().enumerate() {
             for run in of.loops().iter().flatten() {
-                if let Border::Seam { seam, forward } = run.border {
-                    if let Some(slot) = sides.get_mut(seam as usize) {
-                        slot[usize::from(!forward)] = Some(SeamSide { panel, of, run });
-                    }
+                let Some((seam, first)) = self.side_of(&run.border) else { continue };
+                if let Some(slot) = sides.get_mut(seam) {
+                    slot[usize::from(!first)] = Some(SeamSide { panel, of, run });
                 }
             }
         }
-        (0..).zip(sides).filter_map(|(seam, [a, b])| Some(Seam { seam, sides: [a?, b?] })).collect()
+        (0..).zip(sides).filter_map(|(seam, [a, b])| Seam::of(seam, [a?, b?])).collect()
+    }
+
+    /// Number of the seam that a border lies along, see [`Seam::seam`], and whether it is the first of both sides.
+    pub fn side_of(&self, border: &Border) -> Option<(usize, bool)> {
+        match *border {
+            Border::Seam { seam, forward } => Some((seam as usize, forward)).filter(|s| s.0 < self.seam_count),
+            Border::Joint { joint, first, .. } => Some((self.seam_count + joint as usize, first)),
+            Border::Trim { .. } => None,
+        }
     }
 }
 
@@ -58,16 +68,25 @@ impl SeamSide<'_> {
     }
 }
 
-impl Seam<'_> {
+impl<'a> Seam<'a> {
+    /// `None` where the sides are not those of one seam.
+    fn of(seam: u32, sides: [SeamSide<'a>; 2]) -> Option<Self> {
+        let turned = sides[0].run.border.across(&sides[1].run.border)?;
+        Some(Self { seam, sides, turned })
+    }
+
     /// Whether both sides have the very same edge in space, bit by bit: they meet as far as their patches contain it.
     pub fn is_shared(&self) -> bool {
         let [a, b] = self.sides.map(|s| &s.run.edge);
+        let same = |p: &[f64; 3], q: &[f64; 3]| p.iter().zip(q).all(|(x, y)| x.to_bits() == y.to_bits());
+        if !self.turned {
+            let control = a.control.iter().zip(&b.control).all(|(p, q)| same(p, q));
+            return a.knots == b.knots && a.control.len() == b.control.len() && control;
+        }
         // Mirrored knots are rounded, in the one direction or the other.
         let mirrored = a.knots.reversed() == b.knots || b.knots.reversed() == a.knots;
         let (a, b) = (&a.control, &b.control);
-        mirrored
-            && a.len() == b.len()
-            && a.iter().zip(b.iter().rev()).all(|(p, q)| p.iter().zip(q).all(|(x, y)| x.to_bits() == y.to_bits()))
+        mirrored && a.len() == b.len() && a.iter().zip(b.iter().rev()).all(|(p, q)| same(p, q))
     }
 
     /// Length of the edge of the first side, mm.
@@ -83,9 +102,18 @@ impl Seam<'_> {
             .sum()
     }
 
+    /// The parameter on one side of the place that has the parameter `s` on the other.
+    pub fn opposite(&self, s: f64) -> f64 {
+        if self.turned {
+            1.0 - s
+        } else {
+            s
+        }
+    }
+
     /// Angle (rad) between the panels at the parameter `s` of the first side: 0 where they pass smoothly into each other.
     pub fn kink(&self, s: f64) -> f64 {
-        let [a, b] = [self.sides[0].normal(s), self.sides[1].normal(1.0 - s)];
+        let [a, b] = [self.sides[0].normal(s), self.sides[1].normal(self.opposite(s))];
         // Patches may be oriented either way.
         let angle = a.cross(&b).norm().atan2(a.dot(&b));
         angle.min(std::f64::consts::PI - angle)

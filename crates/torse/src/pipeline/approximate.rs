@@ -9,12 +9,12 @@ use crate::brep::face::Face;
 use crate::certify;
 use crate::certify::claim::{Claim, Status, Subject};
 use crate::control::Control;
-use crate::develop::joints::with_joint_marks;
+use crate::develop::joints::{with_joint_marks, with_marks_across};
 use crate::develop::pattern::with_bends;
 use crate::develop::view::panels_viewed;
 use crate::io::model::Model;
 use crate::io::words;
-use crate::patchwork::panel::Patchwork;
+use crate::patchwork::panel::{Border, Patchwork};
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Item, JobReason, Reason, Unlaid};
@@ -23,6 +23,7 @@ use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
 use crate::search::creased::between_sharp_creases;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
+use crate::search::meeting::all_met;
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use checks::{checked, checked_curves, checked_number, told_of_curves};
@@ -40,9 +41,6 @@ mod options;
 
 /// Time for the proof of flat patterns where a job was asked to stop: these wait until they are proven or not cut.
 const FLAT_GRACE: Duration = Duration::from_millis(500);
-/// Where they have been proven before strips are to meet: of the time that this took, what is left for them then too, and the
-/// most.
-const FLAT_AGAIN: (f64, Duration) = (2.0, Duration::from_secs(10));
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
 const JOINT_REACH: f64 = 2.0;
 
@@ -99,6 +97,7 @@ pub fn of_faces(
     control.report("judging flat patterns", f64::NAN, format!("{} panels", patchwork.panels.len()));
     let certificate = certify::join(&patchwork, certificates, tolerance);
     let patterns = with_bends(&patchwork, patterns, &options.drawn.bends.of_job(tolerance));
+    let patterns = with_marks_across(&patchwork, patterns);
     let patterns = with_joint_marks(&patchwork, patterns, JOINT_REACH * tolerance);
     let missed = limits_missed(&patchwork, &certificate, &patterns, &options.limits);
     missing.extend(missed.reasons);
@@ -179,37 +178,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Resul
             built
         })
         .collect();
-    all_met(found, control)
-}
-
-/// The panels of faces, laid anew where neighbours are to meet: after all faces have panels, so that time that is short goes
-/// to covers. Second result: what to leave for the proof of flat patterns.
-fn all_met(mut found: Vec<Result<Covered, Skipped>>, control: &Control) -> (Vec<Result<Built, Skipped>>, Duration) {
-    let total = found.iter().flatten().filter(|c| c.is_apart()).count();
-    let finished = AtomicUsize::new(0);
-    let start = Instant::now();
-    found.par_iter_mut().flatten().for_each(|c| c.judge_flat(control));
-    let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
-    if total > 0 {
-        control.report("joining strips", 0.0, format!("0 of {total}"));
-    }
-    let until = control.remaining().map(|left| Instant::now() + left.saturating_sub(flat_time));
-    let control = until.map_or_else(|| control.clone(), |end| control.clone().until(end));
-    let met = found
-        .into_par_iter()
-        .enumerate()
-        .map(|(index, covered)| {
-            let covered = covered?;
-            let counts = covered.is_apart();
-            let built = covered.met(index, &control);
-            if counts {
-                let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
-            }
-            Ok(built)
-        })
-        .collect();
-    (met, flat_time)
+    all_met(found, options.meet.then_some((options.tolerance, &options.limits)), control)
 }
 
 /// The panels of all faces.
@@ -238,6 +207,8 @@ fn whole(built: Vec<Result<Built, Skipped>>, skipped: &mut Vec<Skipped>) -> Whol
             Err(s) => skipped.push(s),
         }
     }
+    let runs = out.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
+    out.patchwork.joint_count = runs.filter(|r| matches!(r.border, Border::Joint { first: true, .. })).count();
     out
 }
 

@@ -13,7 +13,7 @@ use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Limit, Reason};
-use crate::torse::form::PanelKind;
+use crate::torse::form::{PanelKind, Torse};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,6 +39,7 @@ const SMOOTHINGS: usize = 4;
 const RELAXATIONS: usize = 3;
 
 /// One face with its panels, their proof and their flat patterns.
+#[derive(Clone)]
 pub(crate) struct Built {
     pub patchwork: Patchwork,
     pub certificate: Certificate,
@@ -148,6 +149,11 @@ pub(crate) fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'
     Borders::new(face, partition, &|a, b| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0), 0)
 }
 
+/// Borders of a partition, which end in some vertices besides.
+pub(crate) fn borders_cut_at<'a>(face: &'a Face, partition: &'a Partition, cuts: &BTreeSet<u32>) -> Borders<'a> {
+    Borders::cut_at(face, partition, &|a, b| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0), 0, cuts)
+}
+
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
 pub(crate) fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
     // The proof has its own clock: what was found is judged even when time is up.
@@ -204,13 +210,10 @@ fn judged(
     }
     let close = if state.touched { CLOSE_TRIM * face.surface.bbox().diagonal() } else { f64::INFINITY };
     let trim_tolerance = (tolerance * TRIM_SHARE).min(close);
-    let boundary = |a: &Assigned| {
-        let usual = trim_tolerance * EDGE_SHARE;
-        let exact = matches!(a.kind, PanelKind::Cylinder | PanelKind::Cone);
-        BoundaryOptions { trim_tolerance, edge_tolerance: if exact { usual.min(EXACT_EDGE) } else { usual } }
-    };
-    let made: Vec<Result<Panel, BoundaryError>> =
-        assigned.par_iter().map(|a| borders.panel(0, a, &boundary(a)).map(|(p, _)| p)).collect();
+    let made: Vec<Result<Panel, BoundaryError>> = assigned
+        .par_iter()
+        .map(|a| borders.panel(0, a, &boundary_options(a.kind, trim_tolerance)).map(|(p, _)| p))
+        .collect();
     let seam_count = borders.seam_count;
     let (mut panels, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     for (panel, a) in made.into_iter().zip(&assigned) {
@@ -226,7 +229,13 @@ fn judged(
             }
         }
     }
-    let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
+    let patchwork = Patchwork {
+        faces: vec![face.clone()],
+        partitions: vec![partition.clone()],
+        panels,
+        seam_count,
+        joint_count: 0,
+    };
     missing.extend(stray_seam(face, state, &patchwork, tolerance));
     let certificate = match &joined {
         Some(Joined { known, .. }) => certify::patchwork_after(known, &patchwork, tolerance, control),
@@ -260,6 +269,87 @@ fn judged(
     });
     let along = along.collect();
     (Built { patchwork, certificate, patterns, missing, along }, refused)
+}
+
+/// How near edges are to be to trimming curves of this tolerance (mm).
+fn boundary_options(kind: PanelKind, trim_tolerance: f64) -> BoundaryOptions {
+    let usual = trim_tolerance * EDGE_SHARE;
+    let exact = matches!(kind, PanelKind::Cylinder | PanelKind::Cone);
+    BoundaryOptions { trim_tolerance, edge_tolerance: if exact { usual.min(EXACT_EDGE) } else { usual } }
+}
+
+/// What changes of a face that has panels.
+pub(crate) struct Rebuilding<'a> {
+    /// Its regions, with the same labels and vertices, and more of these on its border.
+    pub partition: &'a Partition,
+    /// Vertices in which borders end besides.
+    pub cuts: &'a BTreeSet<u32>,
+    /// All edges that panels share with others.
+    pub edges: &'a [SharedSeam],
+    /// Torses of the labels whose panels are built anew; the others stay as they are.
+    pub torses: &'a BTreeMap<u32, Torse>,
+    /// What was proven before.
+    pub known: &'a Known,
+}
+
+/// A face with some of its panels built anew, and the labels of those that cannot be proven, or developed; without patterns then.
+pub(crate) fn rebuilt(old: &Built, to: &Rebuilding, control: &Control) -> (Built, BTreeSet<u32>) {
+    let (face, tolerance) = (&old.patchwork.faces[0], old.certificate.tolerance);
+    let mut borders = borders_cut_at(face, to.partition, to.cuts);
+    for e in to.edges {
+        borders.share(e.chain, e.edge.clone(), e.parameters.clone());
+    }
+    let made: Vec<Result<Panel, u32>> = old
+        .patchwork
+        .panels
+        .par_iter()
+        .map(|p| {
+            let new = p.label().and_then(|label| Some((label, to.torses.get(&label)?)));
+            let Some((label, torse)) = new else { return Ok(p.clone()) };
+            let assigned = Assigned { label, torse, kind: p.strip.kind };
+            let options = boundary_options(p.strip.kind, tolerance * TRIM_SHARE);
+            let (mut panel, _) = borders.panel(0, &assigned, &options).map_err(|_| label)?;
+            panel.strip.name.clone_from(&p.strip.name);
+            Ok(panel)
+        })
+        .collect();
+    let mut refused: BTreeSet<u32> = made.iter().filter_map(|m| m.as_ref().err()).copied().collect();
+    let panels = made.into_iter().zip(&old.patchwork.panels).map(|(m, p)| m.unwrap_or_else(|_| p.clone())).collect();
+    let patchwork = Patchwork {
+        faces: vec![face.clone()],
+        partitions: vec![to.partition.clone()],
+        panels,
+        seam_count: old.patchwork.seam_count,
+        joint_count: 0,
+    };
+    let nothing = |patchwork, certificate| Built {
+        patchwork,
+        certificate,
+        patterns: Vec::new(),
+        missing: old.missing.clone(),
+        along: old.along.clone(),
+    };
+    if !refused.is_empty() {
+        return (nothing(patchwork, old.certificate.clone()), refused);
+    }
+    let certificate = certify::patchwork_after(to.known, &patchwork, tolerance, control);
+    let label = |k: usize| patchwork.panels[k].label();
+    refused.extend((0..patchwork.panels.len()).filter(|&k| !certificate.panels[k].certified).filter_map(label));
+    if !refused.is_empty() {
+        return (nothing(patchwork, certificate), refused);
+    }
+    let options = PatternOptions::new(tolerance * CONTOUR_SHARE);
+    let anew = |k: usize| label(k).is_some_and(|l| to.torses.contains_key(&l));
+    let developed: Vec<Result<Pattern, usize>> = old
+        .patterns
+        .par_iter()
+        .map(
+            |p| if anew(p.panel) { pattern(&patchwork, p.panel, &options).map_err(|_| p.panel) } else { Ok(p.clone()) },
+        )
+        .collect();
+    refused.extend(developed.iter().filter_map(|p| p.as_ref().err()).filter_map(|&k| label(k)));
+    let patterns = developed.into_iter().flatten().collect();
+    (Built { patterns, ..nothing(patchwork, certificate) }, refused)
 }
 
 /// Seams asked for may move by a tolerance in the face, and panels lie within one of it.

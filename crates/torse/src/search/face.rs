@@ -3,8 +3,9 @@
 
 use super::build::{build_until, too_large, Built};
 use super::cover::{bent_panels, cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
+use super::joint::BorderCounts;
 use super::laid::{Laid, Task};
-use super::stitch::attempts::{met, unproven};
+use super::stitch::attempts::{lowered, met, unproven};
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
 use super::{sheet, slivers};
 use crate::brep::face::Face;
@@ -114,12 +115,14 @@ pub(crate) struct Covered {
     built: Built,
     /// Why they miss what was asked for.
     why: Option<Reason>,
-    /// What they need to meet, where they are to and do not yet.
+    /// What they need to meet, where they are to.
     apart: Option<Apart>,
 }
 
 /// A cover whose strips have been laid one by one.
 struct Apart {
+    /// Whether they meet within the face as they are.
+    meets: bool,
     face: Face,
     state: State,
     options: CoverOptions,
@@ -130,26 +133,45 @@ struct Apart {
 impl Covered {
     /// Whether strips are to meet that do not yet.
     pub(crate) fn is_apart(&self) -> bool {
-        self.apart.is_some()
+        self.apart.as_ref().is_some_and(|a| !a.meets)
     }
 
     /// Proves the flat patterns of strips that are to meet: what meeting must not lose.
     pub(crate) fn judge_flat(&mut self, control: &Control) {
-        if let Some(apart) = &mut self.apart {
+        if let Some(apart) = self.apart.as_mut().filter(|a| !a.meets) {
             apart.unproven = unproven(&self.built, control).into_iter().collect();
         }
     }
 
     /// The panels, laid anew where neighbours are to meet, as far as that can be certified before time is up.
-    pub(crate) fn met(self, index: usize, control: &Control) -> Built {
-        let mut built = match self.apart.filter(|_| !control.stopped()) {
-            Some(Apart { face, state, options, unproven }) => {
-                met(index, (&face, &state), (self.built, unproven), &options, control)
+    pub(crate) fn met(self, index: usize, control: &Control) -> Met {
+        let mut built = match self.apart.as_ref().filter(|a| !a.meets && !control.stopped()) {
+            Some(Apart { face, state, options, unproven, .. }) => {
+                met(index, (face, state), (self.built, unproven.clone()), options, control)
             }
             None => self.built,
         };
         built.missing.splice(0..0, self.why);
-        built
+        Met { built, apart: self.apart }
+    }
+}
+
+/// A face whose panels meet, as far as they do.
+pub(crate) struct Met {
+    /// Its panels.
+    pub built: Built,
+    /// What they have been laid on.
+    apart: Option<Apart>,
+}
+
+impl Met {
+    /// The panels nearer to the border of the face where `borders` says that distances count more there, all proven and meeting
+    /// as they did; `None` where that is not possible.
+    pub(crate) fn lowered(&self, index: usize, borders: &BorderCounts, control: &Control) -> Option<Built> {
+        // What is missed already is told of the panels as they are.
+        let Apart { face, state, options, .. } = self.apart.as_ref().filter(|_| self.built.missing.is_empty())?;
+        let unproven = unproven(&self.built, control).into_iter().collect();
+        lowered(index, (face, state), (&self.built, unproven), (options, borders), control)
     }
 }
 
@@ -250,11 +272,13 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
         return Ok(told(built));
     }
     let meets = built.certificate.seams.iter().all(|s| s.status == SeamStatus::Exact);
-    if !accepted || !wanted.meet || meets || control.stopped() {
+    // What is developable already lies on its face.
+    if !accepted || !wanted.meet || (meets && is_exact) || control.stopped() {
         return Ok(told(built));
     }
     let options = task.options_with(&seams);
-    Ok(Covered { apart: Some(Apart { face, state, options, unproven: BTreeSet::new() }), ..told(built) })
+    let apart = Apart { meets, face, state, options, unproven: BTreeSet::new() };
+    Ok(Covered { apart: Some(apart), ..told(built) })
 }
 
 /// Covers of a whole face from coarse to fine, each proven, until time is up: the finest. One may be at hand.

@@ -11,6 +11,7 @@ pub(crate) mod creased;
 pub(crate) mod face;
 pub(crate) mod joint;
 mod laid;
+pub(crate) mod meeting;
 pub(crate) mod refolded;
 pub mod ruled;
 mod sheet;

@@ -22,7 +22,7 @@ use super::developable::trim_boxes;
 use super::ruled::Ruled;
 use crate::control::Control;
 use crate::num::interval::Interval;
-use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
+use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkPlace, Pattern};
 use crate::reason::{FlatFault, Of, Reason};
 pub use chain::strip_parts;
@@ -292,7 +292,7 @@ fn one<'a>(
         None => out.faults = vec![FlatFault::Ruling(Of::Panel)],
     }
     let runs = || panel.loops().iter().flatten().filter(|r| !r.is_point());
-    let (seams, borders): (Vec<&Coedge>, Vec<&Coedge>) = runs().partition(|r| matches!(r.border, Border::Seam { .. }));
+    let (seams, borders): (Vec<&Coedge>, Vec<&Coedge>) = runs().partition(|r| r.border.has_neighbour());
     let on = |m: &Mark| match m.on {
         MarkPlace::Seam => &seams,
         MarkPlace::Joint => &borders,
@@ -480,7 +480,7 @@ fn marks(flat: &Flat, all: &[Option<Flat>]) -> Option<f64> {
             let w = [p[0] - Interval::point(mark.point.x), p[1] - Interval::point(mark.point.y)];
             Some((w[0].sqr() + w[1].sqr()).sqrt().hi)
         };
-        let Border::Seam { seam, forward } = run.border else {
+        if !run.border.has_neighbour() {
             // Faces do not know of each other: that both sides name the same place is measured.
             let same = |m: &Mark| m.label == mark.label && m.on == MarkPlace::Joint;
             let named = all.iter().flatten().flat_map(|f| &f.pattern.marks).filter(|m| same(m)).count();
@@ -489,16 +489,16 @@ fn marks(flat: &Flat, all: &[Option<Flat>]) -> Option<f64> {
                 continue;
             }
             return None;
-        };
+        }
         let partner = all.iter().flatten().find_map(|other| {
             let k = other.pattern.marks.iter().zip(&other.marks).find(|(m, at)| {
-                let across = |r: &Coedge| r.border == Border::Seam { seam, forward: !forward };
-                m.label == mark.label && at.is_some_and(|(r, _)| across(r))
+                m.label == mark.label && at.is_some_and(|(r, _)| run.border.across(&r.border).is_some())
             })?;
             *k.1
         });
-        let (_, opposite) = partner?;
-        bound = bound.max(far(s)?).max(far(1.0 - opposite)?);
+        let (other, opposite) = partner?;
+        let turned = run.border.across(&other.border)?;
+        bound = bound.max(far(s)?).max(far(if turned { 1.0 - opposite } else { opposite })?);
     }
     Some(bound)
 }

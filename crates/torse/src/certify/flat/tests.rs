@@ -1,6 +1,7 @@
 use super::*;
 use crate::certify::specimens::two_panels;
 use crate::geom::Vec2;
+use crate::patchwork::panel::Border;
 use crate::patchwork::pattern::Mark;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;

@@ -66,7 +66,7 @@ fn kink(seam: &Seam, signs: [f64; 2], share: f64) -> f64 {
     let normal = |k: usize| {
         let side = &seam.sides[k];
         let mirrored = if side.of.mirrored() { -1.0 } else { 1.0 };
-        side.normal(if k == 0 { share } else { 1.0 - share }) * mirrored
+        side.normal(if k == 0 { share } else { seam.opposite(share) }) * mirrored
     };
     // About the face's normal loops run counter-clockwise: inwards is square to the way on the left.
     let way = Vec3::from(seam.sides[0].run.edge.jet(share)[1]);

@@ -24,7 +24,7 @@ use crate::torse::convert::{self, Extent};
 use crate::torse::form::Torse;
 use crate::torse::strip::Strip;
 pub use borders::{Assigned, Borders, BoundaryOptions};
-pub(crate) use borders::{BoundaryError, SeamChain};
+pub(crate) use borders::{BoundaryError, SeamChain, TrimChain};
 use borders::{Foot, Stretch};
 use feet::feet_along;
 use path::{Aim, Path};
@@ -109,6 +109,16 @@ impl Borders<'_> {
             let mut points = Vec::new();
             for stretch in l {
                 let vertices = stretch.oriented(&self.chains[stretch.chain]).0;
+                // Where panels end beyond their face, or before it, patches reach there.
+                let beyond = self.shared.get(&stretch.chain);
+                if let Some(e) = beyond.filter(|_| matches!(self.chains[stretch.chain].right, Right::Trim(_))) {
+                    let ends = vertices.iter().zip(&e.parameters).filter_map(|(v, &s)| {
+                        let x = Vec3::from(e.edge.point(s));
+                        Some((assigned.torse.foot(&x, feet[v].t)?, x))
+                    });
+                    points.extend(ends);
+                    continue;
+                }
                 for v in &vertices[..vertices.len() - 1] {
                     let f = &feet[v];
                     points.push((f.t, self.points[f.vertex as usize] - f.normal * f.distance));

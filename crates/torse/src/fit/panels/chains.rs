@@ -50,7 +50,7 @@ const POINT: f64 = 1e-10;
 /// All chains of a partition. `points`: places of the vertices in space (mm); `scale`: mean length in space (mm) of
 /// the units of u and v; `trim_edge(a, b)`: number of the trimming edge under a directed border edge; `gain(a, b, c)`:
 /// factor by which the length in space per scaled length in the parameter plane jumps at `b` on the way from `a` to `c`,
-/// 1 but on creases of the parametrisation.
+/// 1 but on creases of the parametrisation; `cuts`: vertices in which chains end besides.
 #[expect(clippy::too_many_lines, reason = "one walk along borders with its state")]
 pub fn chains(
     partition: &Partition,
@@ -58,6 +58,7 @@ pub fn chains(
     scale: [f64; 2],
     trim_edge: &dyn Fn(u32, u32) -> u32,
     gain: &dyn Fn(u32, u32, u32) -> f64,
+    cuts: &BTreeSet<u32>,
 ) -> Vec<Chain> {
     // 1. Border edges, each once: seams with the smaller label on the left.
     let label = label_map(partition);
@@ -81,6 +82,7 @@ pub fn chains(
     }
     let mut nodes: BTreeSet<u32> =
         incident.iter().filter(|(_, e)| e.len() != 2 || border[&e[0]] != border[&e[1]]).map(|(&v, _)| v).collect();
+    nodes.extend(cuts.iter().filter(|v| incident.contains_key(v)));
     let outgoing: HashMap<u32, Vec<(u32, u32)>> =
         incident.iter().map(|(&v, e)| (v, e.iter().copied().filter(|e| e.0 == v).collect::<Vec<_>>())).collect();
     // 3. Polylines from node to node, then closed ones from their first vertex.
@@ -319,7 +321,7 @@ mod tests {
     #[test]
     fn two_halves_share_one_chain() {
         let p = grid(6, |i, _| u32::from(i >= 3));
-        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p), &|_, _, _| 1.0);
+        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p), &|_, _, _| 1.0, &BTreeSet::new());
         let seams: Vec<_> = c.iter().filter(|c| matches!(c.right, Right::Label(_))).collect();
         assert_eq!(seams.len(), 1);
         assert_eq!((seams[0].left, seams[0].right, seams[0].vertices.len()), (0, Right::Label(1), 7));
@@ -334,7 +336,7 @@ mod tests {
     #[test]
     fn an_island_has_corners_and_a_round_one_two_ends() {
         let p = grid(8, |i, j| u32::from((2..6).contains(&i) && (2..6).contains(&j)));
-        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p), &|_, _, _| 1.0);
+        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p), &|_, _, _| 1.0, &BTreeSet::new());
         assert_eq!(c.iter().filter(|c| c.right == Right::Label(1)).count(), 4);
         let ring: Vec<Vec3> = (0..=40)
             .map(|i| f64::from(i) / 40.0 * std::f64::consts::TAU)

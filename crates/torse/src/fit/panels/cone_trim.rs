@@ -15,7 +15,7 @@ use crate::torse::cone::chart::{Blank, ConeChart};
 use crate::torse::cone::distance::forward_of;
 use crate::torse::cone::part::{ConePart, PartCurve, PartEdge, PartFace};
 use crate::torse::cone::spline::ConeSpline;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// A corner of the outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,7 +155,7 @@ pub fn cone_part(
     let points: Vec<Vec3> = partition.vertices.iter().map(|q| chart.point(*q).unwrap_or_else(Vec3::zeros)).collect();
     let scale = [mean_width(spline, &range, &chart), 1.0];
     let border = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
-    let all = chains(&partition, &points, scale, &border, &|_, _, _| 1.0);
+    let all = chains(&partition, &points, scale, &border, &|_, _, _| 1.0, &BTreeSet::new());
     let mut vertex_of: HashMap<u32, usize> = HashMap::new();
     for chain in &all {
         let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]].map(|v| {

@@ -238,7 +238,7 @@ pub fn unit(what: What) -> &'static str {
 /// seams, nothing where there are none.
 pub fn whole(answer: &Answer) -> Vec<(&Claim, String)> {
     let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
-    let seamless = answer.patchwork.seam_count == 0;
+    let seamless = answer.patchwork.seam_count + answer.patchwork.joint_count == 0;
     let empty = |c: &&Claim| seamless && c.what() == What::SeamGap && c.value() == 0.0;
     let all: Vec<&Claim> = answer.claims_of(Subject::Whole).filter(|c| !empty(c)).collect();
     let group = |c: &Claim| join_group(id(c.what()), c.demand() != Demand::None);

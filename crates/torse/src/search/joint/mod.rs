@@ -59,7 +59,13 @@ pub(crate) struct Asked<'a> {
     pub regular: f64,
     /// mm.
     pub tolerance: f64,
+    /// What distances count at places on the border of the face, where panels are to be nearer there than elsewhere; even a
+    /// strip without neighbours is changed then.
+    pub borders: Option<&'a BorderCounts<'a>>,
 }
+
+/// What the distance of a place on the border of a face counts.
+pub(crate) type BorderCounts<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
 
 /// What one step led to.
 #[derive(Clone, Copy, Debug, PartialEq)]

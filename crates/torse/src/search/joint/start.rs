@@ -51,7 +51,9 @@ fn network_of_others<'a>(
     let mut labels: Vec<u32> = state.partition.distinct_labels();
     labels.retain(|l| !without.contains(l));
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
-    let (lines, vertices) = lines(face, state, chains, &index, held, tolerance).ok_or_else(Vec::new)?;
+    let alone = asked.borders.is_some() && chains.is_empty();
+    let found = if alone { Some((Vec::new(), 0)) } else { lines(face, state, chains, &index, held, tolerance) };
+    let (lines, vertices) = found.ok_or_else(Vec::new)?;
     let given = given(face, state, &index);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
     let of_label = |k: usize| {
@@ -66,7 +68,8 @@ fn network_of_others<'a>(
     let members: Vec<Member> = members.into_iter().flatten().collect();
     let sample = |g: &Given| {
         let up = Some(g.normal).filter(|n| g.on_border && *n != Vec3::zeros());
-        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: 1.0, taken: 1.0 }
+        let counts = asked.borders.filter(|_| g.on_border).map_or(1.0, |counts| counts(&g.x));
+        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts, taken: 1.0 }
     };
     let samples = given.iter().map(sample).collect();
     let is_whole = state.partition.distinct_labels().len() == labels.len();

@@ -343,7 +343,13 @@ impl<'a> Region<'a> {
             Across::Level(_) => None,
         });
         let directing = directing.collect();
-        let patchwork = Patchwork { faces: vec![piece.face.clone()], partitions: vec![partition], panels, seam_count };
+        let patchwork = Patchwork {
+            faces: vec![piece.face.clone()],
+            partitions: vec![partition],
+            panels,
+            seam_count,
+            joint_count: 0,
+        };
         let distance_estimate = farthest(&patchwork).max(layout.distance_estimate);
         Ok(Found { patchwork, directing, distance_estimate, count })
     }

@@ -17,7 +17,7 @@ use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
 use crate::search::cover::{laid_anew, recounted, CoverOptions, Limits, Recount, SeamLine, State};
-use crate::search::joint::{Asked, Further, JoinedLine, Joint};
+use crate::search::joint::{Asked, BorderCounts, Further, JoinedLine, Joint};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -37,6 +37,8 @@ const MOST_COUNTED: f64 = 3.0;
 const ENDS: f64 = 1.02;
 /// See [`Attempts::most`], of another number of strips than the cover has: what the proof finds is some percent more.
 const NEAR_ENOUGH: f64 = 0.985;
+/// See [`Attempts::most`], of strips that are to be nearer to the border of their face.
+const LOW_ENOUGH: f64 = 1.0;
 /// Rounds of moving borders to edges, without those that were refused.
 const INTERSECTIONS: usize = 8;
 
@@ -56,6 +58,8 @@ struct Attempts<'a> {
     unproven: BTreeSet<u32>,
     /// Largest distance (tolerances) of a sample with which strips of the program are worth being built.
     most: f64,
+    /// What distances count on the border of the face.
+    borders: Option<&'a BorderCounts<'a>>,
     /// The best so far.
     best: Built,
 }
@@ -99,6 +103,7 @@ pub(crate) fn met(
         known: Known::default(),
         unproven,
         most: f64::INFINITY,
+        borders: None,
         best: built,
     };
     if attempts.recounted(state, Recount::Less) {
@@ -114,7 +119,67 @@ pub(crate) fn met(
     attempts.best
 }
 
+/// The same panels, with the labels of those whose flat patterns are not proven, nearer to the border of their face where
+/// distances count more there; `None` where not all can be proven, or panels would meet in fewer edges.
+pub(crate) fn lowered(
+    index: usize,
+    (face, state): (&Face, &State),
+    (built, unproven): (&Built, BTreeSet<u32>),
+    (wanted, borders): (&CoverOptions, &BorderCounts),
+    control: &Control,
+) -> Option<Built> {
+    let base = as_built(face, state, built)?;
+    let attempts = Attempts {
+        index,
+        face,
+        tolerance: built.certificate.tolerance,
+        wanted,
+        control,
+        seam_lines: state.seam_lines.clone(),
+        known: Known::default(),
+        unproven,
+        most: LOW_ENOUGH,
+        borders: Some(borders),
+        best: built.clone(),
+    };
+    let good = |next: &Built| {
+        attempts.exact(next) >= attempts.exact(built)
+            && openness(next) <= openness(built)
+            && attempts.missed(next) <= attempts.missed(built)
+    };
+    if built.patchwork.seam_count == 0 {
+        return attempts.alone(&base).filter(good);
+    }
+    attempts.joined(&base, REGULAR[0]).filter(good)
+}
+
 impl Attempts<'_> {
+    /// A strip that has no neighbours, nearer to the border where distances count more.
+    fn alone(&self, base: &State) -> Option<Built> {
+        let (held, without) = (|_: [u32; 2]| true, BTreeSet::new());
+        let asked =
+            Asked { held: &held, without: &without, regular: 1.0, tolerance: self.tolerance, borders: self.borders };
+        let mut joint = Joint::new(self.face, base, Vec::new(), &asked)?;
+        let joined = joint.joined(self.control).filter(|_| !self.control.stopped())?;
+        let mut next = base.clone();
+        for (label, torse) in joined.torses {
+            let fit = Fit { torse, kind: PanelKind::Torse, ..(**next.panels.get(&label)?).clone() };
+            next.panels.insert(label, Arc::new(fit));
+        }
+        let (built, bad) = self.built_on(&next, &[]);
+        bad.is_empty().then_some(built)
+    }
+
+    /// Limits of sheet and material that are missed.
+    fn missed(&self, b: &Built) -> usize {
+        limits_missed(&b.patchwork, &b.certificate, &b.patterns, &self.wanted.limits).reasons.len()
+    }
+
+    /// Seams at which panels have one edge.
+    fn exact(&self, b: &Built) -> usize {
+        b.certificate.seams.iter().filter(|s| s.status == SeamStatus::Exact).count()
+    }
+
     /// Whether something is left to be done, and time for it.
     fn is_open(&self) -> bool {
         openness(&self.best) > 0.0 && !self.control.stopped()
@@ -169,11 +234,8 @@ impl Attempts<'_> {
 
     /// Takes panels that are nearer to meeting and miss no more limits; whether it did.
     fn keep(&mut self, next: Built) -> bool {
-        let missed =
-            |b: &Built| limits_missed(&b.patchwork, &b.certificate, &b.patterns, &self.wanted.limits).reasons.len();
-        let exact = |b: &Built| b.certificate.seams.iter().filter(|s| s.status == SeamStatus::Exact).count();
-        let is_nearer = openness(&next) < openness(&self.best) && exact(&next) >= exact(&self.best);
-        let is_better = is_nearer && missed(&next) <= missed(&self.best);
+        let is_nearer = openness(&next) < openness(&self.best) && self.exact(&next) >= self.exact(&self.best);
+        let is_better = is_nearer && self.missed(&next) <= self.missed(&self.best);
         if is_better {
             self.best = next;
         }
@@ -201,8 +263,10 @@ impl Attempts<'_> {
     fn joined(&self, base: &State, regular: f64) -> Option<Built> {
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
         let mut without = BTreeSet::new();
-        for _ in 0..=EXCLUSIONS {
-            let asked = Asked { held: &stays, without: &without, regular, tolerance: self.tolerance };
+        // Strips that come nearer to the border do so together or not at all.
+        for _ in 0..=(if self.borders.is_some() { 0 } else { EXCLUSIONS }) {
+            let (tolerance, held) = (self.tolerance, &stays);
+            let asked = Asked { held, without: &without, regular, tolerance, borders: self.borders };
             let chains = borders(self.face, &base.partition).seam_chains();
             let mut joint = Joint::new(self.face, base, chains, &asked)?;
             match self.refined(base, &mut joint) {

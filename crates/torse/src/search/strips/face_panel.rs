@@ -42,7 +42,13 @@ pub(crate) fn face_panel(face: &Face, name: &str) -> Option<Patchwork> {
         Carrier::TangentSurface | Carrier::Curved(_) => PanelKind::Torse,
     };
     let panel = OnRulings::new(face, &rulings)?.panel(name, kind, TRIM * face.surface.bbox().diagonal())?;
-    Some(Patchwork { faces: vec![face.clone()], partitions: vec![state.partition], panels: vec![panel], seam_count: 0 })
+    Some(Patchwork {
+        faces: vec![face.clone()],
+        partitions: vec![state.partition],
+        panels: vec![panel],
+        seam_count: 0,
+        joint_count: 0,
+    })
 }
 
 /// A face laid flat through its panel.

@@ -10,7 +10,7 @@ use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::torse::convert::ConvertError;
 use crate::torse::form::{PanelKind, Torse};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// A torse for a label.
 #[derive(Clone, Copy, Debug)]
@@ -138,9 +138,35 @@ pub struct SeamChain {
     pub length: f64,
 }
 
+/// A border of a label that is one of the face.
+#[derive(Clone, Debug)]
+pub(crate) struct TrimChain {
+    /// Number of the chain, for [`Borders::share`].
+    pub chain: usize,
+    /// Label beside it, on its left.
+    pub label: u32,
+    /// Number of the trimming edge.
+    pub edge: u32,
+    /// Vertices in order.
+    pub vertices: Vec<u32>,
+    /// Length of the polyline in space, mm.
+    pub length: f64,
+}
+
 impl<'a> Borders<'a> {
     /// Traces the borders.
     pub fn new(face: &'a Face, partition: &'a Partition, trim_edge: &dyn Fn(u32, u32) -> u32, first_seam: u32) -> Self {
+        Self::cut_at(face, partition, trim_edge, first_seam, &BTreeSet::new())
+    }
+
+    /// Traces the borders; chains end in these vertices besides.
+    pub(crate) fn cut_at(
+        face: &'a Face,
+        partition: &'a Partition,
+        trim_edge: &dyn Fn(u32, u32) -> u32,
+        first_seam: u32,
+        cuts: &BTreeSet<u32>,
+    ) -> Self {
         let points: Vec<Vec3> = partition.vertices.iter().map(|v| face.surface.point(v[0], v[1])).collect();
         let mut scale = [0.0; 2];
         for v in &partition.vertices {
@@ -150,7 +176,7 @@ impl<'a> Borders<'a> {
         }
         let creases = Creases::new(face, scale);
         let gain = |a: u32, b: u32, c: u32| creases.gain([a, b, c].map(|v| partition.vertices[v as usize]));
-        let chains = chains::chains(partition, &points, scale, trim_edge, &gain);
+        let chains = chains::chains(partition, &points, scale, trim_edge, &gain, cuts);
         let mut seam_count = 0;
         let mut seams = Vec::new();
         let mut bend = HashMap::new();
@@ -190,6 +216,18 @@ impl<'a> Borders<'a> {
                 length: c.length,
             }),
             Right::Trim(_) => None,
+        };
+        self.chains.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// All borders of labels that are borders of the face.
+    pub(crate) fn trim_chains(&self) -> Vec<TrimChain> {
+        let of = |(k, c): (usize, &Chain)| match c.right {
+            Right::Trim(edge) if c.length > 0.0 => {
+                let vertices = c.vertices.clone();
+                Some(TrimChain { chain: k, label: c.left, edge, vertices, length: c.length })
+            }
+            _ => None,
         };
         self.chains.iter().enumerate().filter_map(of).collect()
     }

@@ -4,15 +4,19 @@ use super::sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurfac
 use crate::draw::scene::titled;
 use crate::geom::Vec3;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crate::patchwork::seam::Seam;
+use std::collections::{BTreeMap, HashMap};
 
 /// Sheets of a patchwork. Panels on both sides of a shared edge are in one sheet; its vertices are the ends of edges,
 /// equal bit by bit. Panels that `marked` holds for carry it in their names.
 pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
     let mut group: Vec<usize> = (0..patchwork.panels.len()).collect();
-    let mut shared = BTreeSet::new();
-    for s in patchwork.seams().iter().filter(|s| s.is_shared()) {
-        shared.insert(s.seam);
+    let mut shared = BTreeMap::new();
+    let reversed = |p: &Panel| patchwork.face_of(p).is_some_and(|f| f.reversed);
+    // A shell has one outside: where the normals of two faces contradict each other both keep their edges.
+    let agree = |s: &Seam| (reversed(s.sides[0].of) == reversed(s.sides[1].of)) == s.turned;
+    for s in patchwork.seams().iter().filter(|s| s.is_shared() && agree(s)) {
+        shared.insert(s.seam, s.turned);
         let [a, b] = s.sides.map(|s| group[s.panel]);
         let (low, high) = (a.min(b), a.max(b));
         group.iter_mut().filter(|g| **g == high).for_each(|g| *g = low);
@@ -21,7 +25,6 @@ pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
     for (k, (panel, g)) in patchwork.panels.iter().zip(group).enumerate() {
         members.entry(g).or_default().push((panel, marked.get(k).copied().unwrap_or(false)));
     }
-    let reversed = |p: &Panel| patchwork.face_of(p).is_some_and(|f| f.reversed);
     members
         .into_values()
         .map(|panels| match panels[..] {
@@ -37,12 +40,22 @@ pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
                     sheet
                 }
             }
-            _ => sewn(&panels, &shared, &reversed),
+            _ => sewn(&panels, &|b| shared_seam(patchwork, &shared, b), &reversed),
         })
         .collect()
 }
 
-fn sewn(panels: &[(&Panel, bool)], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Panel) -> bool) -> Sheet {
+/// The number of the shared seam along a border, and whether its second side runs against the first.
+fn shared_seam(patchwork: &Patchwork, shared: &BTreeMap<u32, bool>, border: &Border) -> Option<(u32, bool)> {
+    let seam = patchwork.side_of(border)?.0 as u32;
+    shared.get(&seam).map(|turned| (seam, *turned))
+}
+
+fn sewn(
+    panels: &[(&Panel, bool)],
+    shared: &dyn Fn(&Border) -> Option<(u32, bool)>,
+    reversed: &dyn Fn(&Panel) -> bool,
+) -> Sheet {
     let (first, last) = (&panels[0].0.strip.name, &panels[panels.len() - 1].0.strip.name);
     let whole = titled(&format!("{first}..{last}"), panels.iter().any(|p| p.1));
     let mut sheet = Sheet { name: whole, ..Sheet::default() };
@@ -54,13 +67,11 @@ fn sewn(panels: &[(&Panel, bool)], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Pa
         for runs in panel.loops() {
             let mut uses = Vec::with_capacity(runs.len());
             for run in runs.iter().filter(|r| !r.is_point()) {
-                let seam = match run.border {
-                    Border::Seam { seam, .. } if shared.contains(&seam) => Some(seam),
-                    _ => None,
-                };
-                if let Some(&edge) = seam.and_then(|s| edges.get(&s)) {
+                let seam = shared(&run.border);
+                if let Some((&edge, against)) = seam.and_then(|(s, t)| Some((edges.get(&s)?, t))) {
                     // The other side came first and gave the edge its direction.
-                    uses.push(EdgeUse { edge, forward: turned, trim: Some(run.trim.reversed()) });
+                    let trim = if against { run.trim.reversed() } else { run.trim.clone() };
+                    uses.push(EdgeUse { edge, forward: turned == against, trim: Some(trim) });
                     continue;
                 }
                 let mut vertex = |c: Option<&[f64; 3]>| {
@@ -73,7 +84,7 @@ fn sewn(panels: &[(&Panel, bool)], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Pa
                 let (start, end) = (vertex(run.edge.control.first()), vertex(run.edge.control.last()));
                 let edge = sheet.edges.len();
                 sheet.edges.push(SheetEdge { start, end, curve: SheetCurve::Spline(run.edge.clone()) });
-                edges.extend(seam.map(|s| (s, edge)));
+                edges.extend(seam.map(|s| (s.0, edge)));
                 uses.push(EdgeUse { edge, forward: !turned, trim: Some(run.trim.clone()) });
             }
             if turned {

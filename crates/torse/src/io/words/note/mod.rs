@@ -40,8 +40,8 @@ const FEW_FACES: usize = 6;
 /// How far panels of different faces are from meeting.
 fn apart(joint: &str, [a, b]: &[String; 2], gap_estimate: f64) -> String {
     format!(
-        "panels that meet along borders of their faces share no edges: along joint {joint} {a} and {b} are up to {} apart at \
-         their marks (measured); the report has all joints",
+        "not all panels that meet along borders of their faces share an edge: along joint {joint} {a} and {b} are up to {} \
+         apart at their marks (measured); the report has all joints",
         length(gap_estimate)
     )
 }

@@ -1,0 +1,91 @@
+//! Panels of all faces that meet: within each face, then across edges at which faces meet at an angle.
+
+use super::build::Built;
+use super::cover::Limits;
+use super::face::{Covered, Met};
+use super::stitch::across::{met_across, Across};
+use crate::control::Control;
+use crate::geom::Vec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// Where flat patterns have been proven before strips are to meet: of the time that this took, what is left for them then too, and
+/// the most.
+const FLAT_AGAIN: (f64, Duration) = (2.0, Duration::from_secs(10));
+
+/// The panels of faces, laid anew where neighbours are to meet: after all faces have panels, so that time that is short goes
+/// to covers. With a tolerance (mm) and limits, those of different faces too. Second result: what to leave for the proof of flat
+/// patterns. `E` says why a face has no panels.
+pub(crate) fn all_met<E: Send>(
+    mut found: Vec<Result<Covered, E>>,
+    across: Option<(f64, &Limits)>,
+    control: &Control,
+) -> (Vec<Result<Built, E>>, Duration) {
+    let total = found.iter().flatten().filter(|c| c.is_apart()).count();
+    let finished = AtomicUsize::new(0);
+    let start = Instant::now();
+    found.par_iter_mut().flatten().for_each(|c| c.judge_flat(control));
+    let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
+    if total > 0 {
+        control.report("joining strips", 0.0, format!("0 of {total}"));
+    }
+    let until = control.remaining().map(|left| Instant::now() + left.saturating_sub(flat_time));
+    let control = until.map_or_else(|| control.clone(), |end| control.clone().until(end));
+    let mut met: Vec<Result<Met, E>> = found
+        .into_par_iter()
+        .enumerate()
+        .map(|(index, covered)| {
+            let covered = covered?;
+            let counts = covered.is_apart();
+            let met = covered.met(index, &control);
+            if counts {
+                let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
+            }
+            Ok(met)
+        })
+        .collect();
+    if let Some(asked) = across {
+        across_faces(&mut met, asked, &control);
+    }
+    (met.into_iter().map(|m| m.map(|m| m.built)).collect(), flat_time)
+}
+
+/// Panels of different faces that meet, where these meet at an angle: as they are, and where that is not enough nearer to their
+/// faces beside the edges.
+fn across_faces<E: Send>(met: &mut [Result<Met, E>], (tolerance, limits): (f64, &Limits), control: &Control) {
+    let joined = |built: &[&Built]| met_across(built, tolerance, limits, control);
+    let faces: Vec<(usize, &Met)> = met.iter().enumerate().filter_map(|(k, m)| Some((k, m.as_ref().ok()?))).collect();
+    let before: Vec<&Built> = faces.iter().map(|f| &f.1.built).collect();
+    let first = joined(&before);
+    let lowered: Vec<Option<Built>> = faces
+        .par_iter()
+        .zip(&first.lower)
+        .map(|((index, face), lower)| {
+            let borders = |x: &Vec3| counts(lower, x, tolerance);
+            if lower.is_empty() {
+                None
+            } else {
+                face.lowered(*index, &borders, control)
+            }
+        })
+        .collect();
+    let mut best = first;
+    if lowered.iter().any(Option::is_some) {
+        let nearer: Vec<&Built> = before.iter().zip(&lowered).map(|(b, l)| l.as_ref().unwrap_or(b)).collect();
+        let second = joined(&nearer);
+        if second.length > best.length {
+            best = second;
+        }
+    }
+    let Across { built, .. } = best;
+    met.iter_mut().flatten().zip(built).for_each(|(m, b)| b.into_iter().for_each(|b| m.built = b));
+}
+
+/// What a distance counts at a place on a border: as at the nearest of the places that are given, within reach of which it is.
+fn counts(lower: &[(Vec3, f64)], x: &Vec3, reach: f64) -> f64 {
+    let off = |c: &(Vec3, f64)| (c.0 - x).norm_squared();
+    let nearest = lower.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.filter(|c| off(c) <= reach * reach).map_or(1.0, |c| c.1)
+}

@@ -1,0 +1,58 @@
+//! How near panels must be to their faces beside an edge for their intersection to stay within the tolerance of it.
+//!
+//! With heights a and b of both panels over their faces and the angle κ by which the faces turn at the edge, the intersection is
+//! `√(a² + b² − 2ab cos κ)/sin κ` away: for heights up to f at most `f/sin κ` or, if that is more, `f/cos(κ/2)` where both have
+//! one sign, and `f/sin(κ/2)` where they have not.
+
+use super::places::{Common, Ground};
+use super::vertices::Torses;
+use crate::geom::Vec3;
+
+/// Parts of each edge of a border at whose ends heights are looked at.
+const PARTS: usize = 4;
+/// Share of the tolerance that the intersection may be away: a proof needs a little.
+const AWAY: f64 = 0.97;
+/// Share of all products of heights that have one sign along an edge where heights of that sign are expected.
+const ONE_SIGN: f64 = 0.9;
+/// Heights that must be less than this share of the tolerance are not asked for: panels would become many.
+const LEAST: f64 = 0.25;
+
+/// Places along an edge, and what the distances of panels count there. `None` where faces meet at too small an angle.
+pub(super) fn counts(of: &Common, grounds: &[Ground], torses: &Torses) -> Option<Vec<(Vec3, f64)>> {
+    let [a, b] = [0, 1].map(|k: usize| &grounds[of.faces[k]]);
+    let points = a.places(&of.chains[0].vertices, PARTS);
+    let others = b.places(&of.chains[1].vertices, PARTS);
+    let mut normals = [a.normals(&of.chains[0].vertices, PARTS), b.normals(&of.chains[1].vertices, PARTS)];
+    // Both faces seen from one side: borders run counter-clockwise about normals.
+    if !of.turned {
+        normals[1].iter_mut().for_each(|n| *n = -*n);
+    }
+    let mut near = [0, 1].map(|k: usize| torses.near((of.faces[k], of.chains[k].label), &points[0]));
+    let (mut out, mut sums) = (Vec::with_capacity(points.len()), [0.0_f64; 2]);
+    for (x, n) in points.iter().zip(&normals[0]) {
+        let far = |i: &usize| (others[*i] - x).norm_squared();
+        let beside = (0..others.len()).min_by(|i, j| far(i).total_cmp(&far(j)))?;
+        let m = &normals[1][beside];
+        let height = |near: &mut super::course::Near, n: &Vec3| near.height(x, n);
+        let [first, second] = &mut near;
+        let product = height(first.as_mut()?, n)? * height(second.as_mut()?, m)?;
+        sums[usize::from(product < 0.0)] += product.abs();
+        out.push((*x, n.cross(m).norm().atan2(n.dot(m))));
+    }
+    let most = sums[0] + sums[1];
+    let (same, other) = (sums[0] >= ONE_SIGN * most, sums[1] >= ONE_SIGN * most);
+    let share = |turn: f64| {
+        let (cos, sin) = ((0.5 * turn).cos(), (0.5 * turn).sin());
+        let both = if other {
+            sin
+        } else if same {
+            cos
+        } else {
+            cos.min(sin)
+        };
+        both.min(turn.sin())
+    };
+    let counts: Vec<(Vec3, f64)> = out.into_iter().map(|(x, turn)| (x, AWAY * share(turn))).collect();
+    let least = counts.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
+    (least >= LEAST).then(|| counts.into_iter().map(|(x, c)| (x, c.min(1.0).recip())).collect())
+}

@@ -1,0 +1,420 @@
+//! Panels of different faces that meet: where faces meet at an angle, the panels on both sides intersect near the edge of the
+//! model, and both end in that curve.
+//!
+//! *Method*: borders of faces that lie along each other are cut at the same places; panels on both sides are ended in the curve
+//! in which their torses intersect (`course`), in points that all of them have in common where several end. The panels that
+//! this changes are built anew and proven again. What is refused is left as it was, with what hangs on it, until all of the
+//! rest is proven. Nothing is judged here.
+
+mod course;
+mod heights;
+mod places;
+mod vertices;
+
+use crate::certify::{Known, SeamStatus};
+use crate::control::Control;
+use crate::fit::panels::boundary::TrimChain;
+use crate::geom::Vec3;
+use crate::patchwork::panel::Border;
+use crate::search::build::{limits_missed, rebuilt, Built, Rebuilding};
+use crate::search::cover::Limits;
+use crate::search::stitch::attempts::unproven;
+use crate::search::stitch::seams::{kept, SharedSeam};
+use crate::torse::form::Torse;
+use course::{course, ended_anew, parts, Beside, Course};
+use heights::counts;
+use places::{common, cut, shares_along, Common, Ground};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use vertices::{Corners, InnerSeam, Torses};
+
+/// Rounds of building panels without the edges that were refused, at most.
+const ROUNDS: usize = 16;
+/// Edges farther than this multiple of the tolerance from the model's are not worth a proof.
+const REACH: f64 = 1.0;
+
+/// Panels of faces, some of which end in common edges.
+#[derive(Default)]
+pub(crate) struct Across {
+    /// The faces that change.
+    pub built: Vec<Option<Built>>,
+    /// Length (mm) of the common edges.
+    pub length: f64,
+    /// For each face beside an edge at which panels do not meet: places along all edges at which it meets others, and what
+    /// distances of panels should count there for them to meet.
+    pub lower: Vec<Vec<(Vec3, f64)>>,
+}
+
+/// The panels of faces, those beside edges at which faces meet at an angle ended in common edges, as far as that can be proven.
+/// `tolerance` in mm.
+pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, control: &Control) -> Across {
+    let nothing = || Across { built: built.iter().map(|_| None).collect(), ..Across::default() };
+    if built.len() < 2 || control.stopped() {
+        return nothing();
+    }
+    let mut grounds: Vec<Ground> = built.iter().map(|b| ground(b)).collect();
+    cut(&mut grounds, tolerance);
+    let all = common(&grounds, tolerance);
+    let known: Vec<Known> = built.iter().map(|_| Known::default()).collect();
+    let attempt = Attempt { built, grounds, all, known, tolerance, limits, control, torses: Torses::of(built) };
+    let mut refused = BTreeSet::new();
+    let mut out = nothing();
+    for _ in 0..ROUNDS {
+        if control.stopped() || refused.len() == attempt.all.len() {
+            break;
+        }
+        match attempt.made(&refused) {
+            Ok(found) => {
+                out.built = found;
+                let met = (0..attempt.all.len()).filter(|e| !refused.contains(e));
+                out.length = met.map(|e| attempt.all[e].chains[0].length).sum();
+                break;
+            }
+            Err(bad) => refused.extend(bad),
+        }
+    }
+    if out.length <= 0.0 {
+        refused = (0..attempt.all.len()).collect();
+    }
+    out.lower = attempt.lower(&refused);
+    out
+}
+
+fn ground(built: &Built) -> Ground<'_> {
+    let Built { patchwork, .. } = built;
+    Ground { face: &patchwork.faces[0], partition: patchwork.partitions[0].clone(), cuts: BTreeSet::new() }
+}
+
+/// Faces whose panels are to meet.
+struct Attempt<'a> {
+    built: &'a [&'a Built],
+    grounds: Vec<Ground<'a>>,
+    all: Vec<Common>,
+    known: Vec<Known>,
+    tolerance: f64,
+    limits: &'a Limits,
+    control: &'a Control,
+    torses: Torses<'a>,
+}
+
+/// What changes on a face.
+#[derive(Default)]
+struct Change {
+    /// Edges for borders of the face, and seams that end anew.
+    edges: Vec<SharedSeam>,
+    /// Rulings that panels use besides, by label.
+    rulings: BTreeMap<u32, [f64; 2]>,
+}
+
+impl Change {
+    fn uses(&mut self, label: u32, [from, to]: [f64; 2]) {
+        let range = self.rulings.entry(label).or_insert([from, to]);
+        *range = [range[0].min(from), range[1].max(to)];
+    }
+}
+
+impl Attempt<'_> {
+    /// The faces with all common edges but those that were refused. Errors are edges to do without.
+    fn made(&self, refused: &BTreeSet<usize>) -> Result<Vec<Option<Built>>, Vec<usize>> {
+        let wanted: Vec<usize> = (0..self.all.len()).filter(|e| !refused.contains(e)).collect();
+        let seams: Vec<Vec<InnerSeam>> = self.seams();
+        let mut corners = Corners::of(&self.all, &wanted, &seams);
+        self.without_clashes(&corners, &seams)?;
+        let bad = corners.placed(&self.all, &self.grounds, &self.torses, self.tolerance);
+        if !bad.is_empty() {
+            return Err(bad);
+        }
+        let mut changes: Vec<Change> = self.built.iter().map(|_| Change::default()).collect();
+        self.edges(&wanted, &corners, &mut changes)?;
+        self.ends(&corners, &seams, &mut changes)?;
+        let made: Vec<Option<(Built, BTreeSet<u32>)>> =
+            changes.par_iter().enumerate().map(|(face, change)| self.rebuilt(face, change)).collect();
+        let bad: BTreeSet<usize> = made
+            .iter()
+            .enumerate()
+            .filter_map(|(face, m)| Some((face, m.as_ref()?)))
+            .flat_map(|(face, m)| self.beside(face, m, &wanted, &corners))
+            .collect();
+        if !bad.is_empty() {
+            return Err(bad.into_iter().collect());
+        }
+        let mut found: Vec<Option<Built>> = made.into_iter().map(|m| m.map(|m| m.0)).collect();
+        self.name(&wanted, &mut found);
+        Ok(found)
+    }
+
+    /// Seams inside faces: vertices, labels, and whether both panels have one edge.
+    fn seams(&self) -> Vec<Vec<InnerSeam>> {
+        let of = |(b, g): (&&Built, &Ground)| {
+            let borders = g.borders();
+            let shared: BTreeSet<usize> = kept(&b.patchwork, &borders).iter().map(|s| s.chain).collect();
+            let chains = borders.seam_chains().into_iter();
+            chains
+                .map(|c| InnerSeam { shared: shared.contains(&c.chain), vertices: c.vertices, labels: c.labels })
+                .collect()
+        };
+        self.built.iter().zip(&self.grounds).map(of).collect()
+    }
+
+    /// Where a seam that is not one edge ends at common edges on both of its sides these end apart: the shorter is left.
+    fn without_clashes(&self, corners: &Corners, seams: &[Vec<InnerSeam>]) -> Result<(), Vec<usize>> {
+        let mut bad = Vec::new();
+        for corner in &corners.all {
+            for &(face, seam, _) in corner.seams.iter().filter(|s| !seams[s.0][s.1].shared) {
+                let of = |label: u32| {
+                    corner.edges.iter().map(|e| e.0).find(|&e| {
+                        let Common { faces, chains, .. } = &self.all[e];
+                        (0..2).any(|k| faces[k] == face && chains[k].label == label)
+                    })
+                };
+                let [a, b] = seams[face][seam].labels.map(of);
+                if let (Some(a), Some(b)) = (a, b) {
+                    let length = |e: usize| self.all[e].chains[0].length;
+                    bad.push(if length(a) < length(b) { a } else { b });
+                }
+            }
+        }
+        if bad.is_empty() {
+            Ok(())
+        } else {
+            Err(bad)
+        }
+    }
+
+    /// Common edges, for the faces on both sides.
+    fn edges(&self, wanted: &[usize], corners: &Corners, changes: &mut [Change]) -> Result<(), Vec<usize>> {
+        let found: Vec<Option<(Course, [SharedSeam; 2])>> =
+            wanted.par_iter().map(|&e| self.edge(&self.all[e], corners)).collect();
+        let bad: Vec<usize> = wanted.iter().zip(&found).filter(|f| f.1.is_none()).map(|f| *f.0).collect();
+        if !bad.is_empty() {
+            return Err(bad);
+        }
+        for (&e, (course, sides)) in wanted.iter().zip(found.into_iter().flatten()) {
+            for (k, side) in sides.into_iter().enumerate() {
+                let change = &mut changes[self.all[e].faces[k]];
+                change.uses(self.all[e].chains[k].label, course.rulings[k]);
+                change.edges.push(side);
+            }
+        }
+        Ok(())
+    }
+
+    /// One common edge, for both sides.
+    fn edge(&self, of: &Common, corners: &Corners) -> Option<(Course, [SharedSeam; 2])> {
+        let [a, b] = &of.chains;
+        let edges = a.vertices.len() - 1;
+        let parts = parts(edges);
+        let points = self.grounds[of.faces[0]].places(&a.vertices, parts);
+        let corner = |v: u32| corners.at(of.faces[0], v).map(|c| c.place);
+        let ends = [corner(a.vertices[0])?, corner(a.vertices[edges])?];
+        let near = |k: usize| self.torses.near((of.faces[k], of.chains[k].label), &points[0]);
+        let beside = Beside { points: &points, parts, ends, reach: REACH * self.tolerance };
+        let course = course([near(0)?, near(1)?], &beside)?;
+        let mut others = self.grounds[of.faces[1]].places(&b.vertices, 1);
+        if of.turned {
+            others.reverse();
+        }
+        let parameter = |share: f64| {
+            let i = (share.floor() as usize).min(course.at.len() - 2);
+            course.at[i] + (course.at[i + 1] - course.at[i]) * (share - i as f64)
+        };
+        let mut second: Vec<f64> = shares_along(&points, &others).into_iter().map(parameter).collect();
+        if second.windows(2).any(|w| w[0] >= w[1]) {
+            return None;
+        }
+        let mut curve = course.curve.clone();
+        if of.turned {
+            curve = curve.reversed();
+            second = second.iter().rev().map(|s| 1.0 - s).collect();
+        }
+        let first = course.at.iter().copied().step_by(parts).collect();
+        let side = |chain: &TrimChain, edge, parameters| SharedSeam {
+            chain: chain.chain,
+            labels: [chain.label; 2],
+            edge,
+            parameters,
+        };
+        let sides = [side(a, course.curve.clone(), first), side(b, curve, second)];
+        Some((course, sides))
+    }
+
+    /// Seams inside faces that end in corners of common edges, ended there.
+    fn ends(&self, corners: &Corners, seams: &[Vec<InnerSeam>], changes: &mut [Change]) -> Result<(), Vec<usize>> {
+        let touched: BTreeSet<usize> =
+            corners.all.iter().flat_map(|c| c.seams.iter().filter(|s| seams[s.0][s.1].shared).map(|s| s.0)).collect();
+        let mut bad = Vec::new();
+        for face in touched {
+            let borders = self.grounds[face].borders();
+            for mut seam in kept(&self.built[face].patchwork, &borders) {
+                let chains = borders.seam_chains();
+                let Some(chain) = chains.iter().find(|c| c.chain == seam.chain) else { continue };
+                let last = chain.vertices.len() - 1;
+                let at = [chain.vertices[0], chain.vertices[last]].map(|v| corners.at(face, v));
+                if at.iter().all(Option::is_none) {
+                    continue;
+                }
+                let x = seam.edge.control[0].into();
+                let near = seam.labels.map(|l| self.torses.near((face, l), &x));
+                let [Some(p), Some(q)] = near else { continue };
+                match ended_anew(&seam.edge, &seam.parameters, at.map(|c| c.map(|c| c.place)), [p, q]) {
+                    Some((edge, parameters)) => {
+                        (seam.edge, seam.parameters) = (edge, parameters);
+                        for (label, near) in seam.labels.iter().zip([p, q]) {
+                            changes[face].uses(*label, near.torse.domain().into());
+                        }
+                        changes[face].edges.push(seam);
+                    }
+                    None => bad.extend(at.iter().flatten().flat_map(|c| c.edges.iter().map(|e| e.0))),
+                }
+            }
+        }
+        if bad.is_empty() {
+            Ok(())
+        } else {
+            Err(bad)
+        }
+    }
+
+    /// A face with its changes, and the labels that are refused: not proven, or worse than they were. `None` without changes.
+    fn rebuilt(&self, face: usize, change: &Change) -> Option<(Built, BTreeSet<u32>)> {
+        if change.edges.is_empty() {
+            return None;
+        }
+        let (old, ground) = (self.built[face], &self.grounds[face]);
+        let new: BTreeSet<u32> = (old.patchwork.partitions[0].vertices.len() as u32..)
+            .take(ground.partition.vertices.len() - old.patchwork.partitions[0].vertices.len())
+            .collect();
+        let mut torses: BTreeMap<u32, Torse> = BTreeMap::new();
+        let borders = ground.borders();
+        let split = borders
+            .trim_chains()
+            .into_iter()
+            .filter(|c| c.vertices.iter().any(|v| new.contains(v)) || change.edges.iter().any(|e| e.chain == c.chain));
+        let labels: BTreeSet<u32> = split.map(|c| c.label).chain(change.rulings.keys().copied()).collect();
+        for panel in &old.patchwork.panels {
+            let Some(trim) = panel.trim.as_ref().filter(|t| labels.contains(&t.label)) else { continue };
+            let torse = trim.form.torse()?;
+            let (t0, t1) = torse.domain();
+            let [a, b] = change.rulings.get(&trim.label).copied().unwrap_or([t0, t1]);
+            let hair = HAIR * (t1 - t0);
+            let wide = if a < t0 || b > t1 {
+                torse.restricted(if a < t0 { a - hair } else { t0 }, if b > t1 { b + hair } else { t1 })
+            } else {
+                Some(torse.clone())
+            };
+            torses.insert(trim.label, wide?);
+        }
+        let mut edges = kept(&old.patchwork, &borders);
+        edges.retain(|e| change.edges.iter().all(|c| c.chain != e.chain));
+        edges.extend(change.edges.iter().cloned());
+        let asked = Rebuilding {
+            partition: &ground.partition,
+            cuts: &ground.cuts,
+            edges: &edges,
+            torses: &torses,
+            known: &self.known[face],
+        };
+        let (next, mut refused) = rebuilt(old, &asked, self.control);
+        if refused.is_empty() {
+            refused.extend(self.worse(old, &next, &labels));
+        }
+        Some((next, refused))
+    }
+
+    /// Labels for which something is worse than it was.
+    fn worse(&self, old: &Built, next: &Built, changed: &BTreeSet<u32>) -> BTreeSet<u32> {
+        let exact = |b: &Built| b.certificate.seams.iter().map(|s| s.status).collect::<Vec<_>>();
+        let rank = |s: &SeamStatus| match s {
+            SeamStatus::Exact => 0,
+            SeamStatus::Tolerance => 1,
+            SeamStatus::Open => 2,
+        };
+        let mut out = BTreeSet::new();
+        for (k, (was, is)) in exact(old).iter().zip(&exact(next)).enumerate() {
+            if rank(is) > rank(was) {
+                out.extend(next.certificate.seams[k].panels.iter().filter_map(|&p| next.patchwork.panels[p].label()));
+            }
+        }
+        if next.certificate.seams.len() < old.certificate.seams.len() {
+            out.extend(changed);
+        }
+        let missed = |b: &Built| limits_missed(&b.patchwork, &b.certificate, &b.patterns, self.limits).panels;
+        let before = missed(old);
+        let label = |k: &usize| next.patchwork.panels[*k].label();
+        out.extend(missed(next).iter().filter(|k| !before.contains(k)).filter_map(label));
+        let flat = unproven(next, self.control);
+        if !flat.is_empty() {
+            let before = unproven(old, self.control);
+            out.extend(flat.into_iter().filter(|l| !before.contains(l)));
+        }
+        out
+    }
+
+    /// Edges beside panels that are refused, the nearest to where these are too far from their face if it is known; else edges that
+    /// their seams depend on.
+    fn beside(&self, face: usize, made: &(Built, BTreeSet<u32>), wanted: &[usize], corners: &Corners) -> Vec<usize> {
+        let (built, labels) = made;
+        let of = |e: &usize| {
+            let Common { faces, chains, .. } = &self.all[*e];
+            (0..2).find(|&k| faces[k] == face).map(|k| &chains[k])
+        };
+        let mut out = Vec::new();
+        for label in labels {
+            let own = wanted.iter().filter(|e| of(e).is_some_and(|c| c.label == *label));
+            let k = built.patchwork.panels.iter().position(|p| p.label() == Some(*label));
+            let place = k.and_then(|k| built.certificate.panels.get(k)?.too_far).map(|(uv, _)| {
+                let surface = &built.patchwork.faces[0].surface;
+                surface.point(uv[0], uv[1])
+            });
+            let Some(x) = place else {
+                out.extend(own);
+                continue;
+            };
+            let away = |e: &usize| {
+                let points = of(e).map_or_else(Vec::new, |c| self.grounds[face].places(&c.vertices, 1));
+                points.iter().map(|p| (p - x).norm_squared()).fold(f64::INFINITY, f64::min)
+            };
+            out.extend(own.min_by(|a, b| away(a).total_cmp(&away(b))));
+        }
+        if out.is_empty() {
+            let ends = corners.all.iter().filter(|c| labels.iter().any(|l| c.panels.contains(&(face, *l))));
+            out.extend(ends.flat_map(|c| &c.edges).map(|e| e.0));
+        }
+        if out.is_empty() && !labels.is_empty() {
+            out.extend(wanted.iter().filter(|e| of(e).is_some()));
+        }
+        out
+    }
+
+    /// See [`Across::lower`]; `open` are the edges at which panels do not meet.
+    fn lower(&self, open: &BTreeSet<usize>) -> Vec<Vec<(Vec3, f64)>> {
+        let counts: Vec<Option<Vec<(Vec3, f64)>>> =
+            self.all.par_iter().map(|e| counts(e, &self.grounds, &self.torses)).collect();
+        let is_open = |e: &usize| open.contains(e);
+        let of = |face: usize| {
+            let beside: Vec<usize> = (0..self.all.len()).filter(|&e| self.all[e].faces.contains(&face)).collect();
+            let wanted = beside.iter().any(|e| is_open(e) && counts[*e].is_some());
+            let places = beside.iter().filter(|_| wanted).filter_map(|e| counts[*e].clone());
+            places.flatten().collect()
+        };
+        (0..self.built.len()).map(of).collect()
+    }
+
+    /// Tells both sides of each edge of the other.
+    fn name(&self, wanted: &[usize], found: &mut [Option<Built>]) {
+        for (joint, &e) in (0u32..).zip(wanted) {
+            let Common { faces, chains, turned } = &self.all[e];
+            for k in 0..2 {
+                let Some(built) = &mut found[faces[k]] else { continue };
+                let runs = built.patchwork.panels.iter_mut().flat_map(|p| p.loops_mut().iter_mut().flatten());
+                for run in runs.filter(|r| r.vertices == chains[k].vertices) {
+                    let edge = chains[k].edge;
+                    run.border = Border::Joint { joint, edge, first: k == 0, forward: k == 0 || !turned };
+                }
+            }
+        }
+    }
+}
+
+/// Share of its domain by which a torse that is continued goes on beyond the last ruling that is used.
+const HAIR: f64 = 1e-3;
