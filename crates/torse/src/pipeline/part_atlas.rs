@@ -10,6 +10,7 @@ use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, S
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{course, sheet, RefoldError};
 use crate::develop::unfold::allowance::KFactor;
+use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
 use crate::io::result_folder::{ResultFolder, ResultPart};
 use crate::io::step::read as step;
@@ -49,6 +50,19 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     }
 }
 
+/// Share of their extent within which lines of one bend are one line: half of what a fold is off one that is drawn as a curve.
+const ONE_LINE: f64 = 1e-5;
+
+/// Whether the lines of a bend lie in one line.
+fn is_straight(part: &FlatPart, bend: &SheetRow) -> bool {
+    let lines = part.lines.get(bend.lines.clone()).unwrap_or_default();
+    let (Some(first), Some(last)) = (lines.first(), lines.last()) else { return true };
+    let whole = last.ends[1] - first.ends[0];
+    let Some(way) = whole.try_normalize(0.0) else { return lines.len() < 2 };
+    let off = |p: &Vec2| way.perp(&(p - first.ends[0])).abs();
+    lines.iter().flat_map(|l| &l.ends).map(off).fold(0.0, f64::max) <= (ONE_LINE * whole.norm()).max(part.printed)
+}
+
 /// Bends a part back from its drawing and tables alone.
 ///
 /// # Errors
@@ -57,6 +71,10 @@ pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
     let varies = |b: &&SheetRow| b.rolled && !b.allowance.is_finite();
     if let Some(row) = part.bends.iter().find(varies).filter(|_| part.thickness > 0.0) {
         return Err(RefoldError::Neutral { line: row.lines.start + 1 });
+    }
+    let curved = |b: &&SheetRow| !b.rolled && !is_straight(part, b);
+    if let Some(row) = part.bends.iter().find(curved) {
+        return Err(RefoldError::Curve { line: row.lines.start + 1 });
     }
     match &part.bends[..] {
         [] => course::refold(part),

@@ -36,6 +36,12 @@ pub enum RefoldError {
         /// Number of the first line, from 1.
         line: usize,
     },
+    /// A fold that is not straight.
+    #[error("its bend lines from {line} on are chords of a fold along a curve: these are not bent back")]
+    Curve {
+        /// Number of the first line, from 1.
+        line: usize,
+    },
     /// An outline that crosses or touches itself.
     #[error("its outline {contour} crosses or touches itself near ({x:.4}, {y:.4}) mm; draw it again without")]
     Outline {

@@ -88,8 +88,9 @@ const ONE_LENGTH: f64 = 1e-4;
 
 /// The bends of a piece, in the order of its faces.
 ///
-/// Rolled faces are kinked as `facets` says, or have a line at every 5°.
-pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>) -> Vec<SheetBend> {
+/// Rolled faces are kinked as `facets` says, or have a line at every 5°. Folds along curves are drawn as chords within a share of the
+/// `tolerance` (mm).
+pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>, tolerance: f64) -> Vec<SheetBend> {
     let mut out: Vec<SheetBend> = Vec::new();
     for placed in &piece.faces {
         if matches!(body.carriers[placed.face], Carrier::Plane(_)) {
@@ -108,14 +109,15 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
     }
     for fold in &piece.folds {
         let (h, twin) = (fold.half, body.halves[fold.half].twin.unwrap_or(fold.half));
-        let [a, b] = [0.0, 1.0].map(|s| (piece.place(body, h, s) + piece.place(body, twin, 1.0 - s)) * 0.5);
+        let near = (CHORD * tolerance).max(CURVED * ONE_LINE * body.size);
+        let lines = chords(&|s| (piece.place(body, h, s) + piece.place(body, twin, 1.0 - s)) * 0.5, near);
         let level = [h, twin].iter().filter_map(|h| piece.placed(body.halves[*h].face)).map(|p| p.level).max();
         let sense = if fold.meeting.convex { BendSense::Down } else { BendSense::Up };
         let bend = SheetBend {
             kind: BendKind::Fold,
-            lines: vec![[a, b]],
-            bends: vec![Bend::of(sense, fold.meeting.angle, [0.0; 2])],
-            rulings: 1,
+            bends: vec![Bend::of(sense, fold.meeting.angle, [0.0; 2]); lines.len()],
+            rulings: lines.len(),
+            lines,
             extents: Vec::new(),
             sense,
             angle: fold.meeting.angle,
@@ -148,8 +150,36 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
     out
 }
 
-/// Distance between the farthest ends of collinear segments.
+/// Share of the tolerance within which chords keep to a curved fold.
+const CHORD: f64 = 0.25;
+/// Times that a fold must be off a straight line by as much as lines of one bend may be apart to be curved.
+const CURVED: f64 = 2.0;
+/// Chords of a curved fold at most.
+const MOST_CHORDS: usize = 256;
+
+/// Chords of a curve over [0, 1], as many as keep within `near` (mm) of its places half way between: one of a straight line.
+fn chords(place: &dyn Fn(f64) -> Vec2, near: f64) -> Vec<[Vec2; 2]> {
+    let mut count = 1;
+    loop {
+        let at = |k: usize| place(0.5 * k as f64 / count as f64);
+        let points: Vec<Vec2> = (0..=2 * count).map(at).collect();
+        let off = points.windows(3).step_by(2).map(|w| {
+            let way = (w[2] - w[0]).try_normalize(0.0).unwrap_or_else(Vec2::x);
+            way.perp(&(w[1] - w[0])).abs()
+        });
+        if count == MOST_CHORDS || off.fold(0.0, f64::max) <= near {
+            return points.iter().step_by(2).copied().collect::<Vec<_>>().windows(2).map(|w| [w[0], w[1]]).collect();
+        }
+        count *= 2;
+    }
+}
+
+/// Distance between the farthest ends of collinear segments; of chords of a curve their length.
 fn reach(lines: &[[Vec2; 2]]) -> f64 {
+    let follow = lines.len() > 1 && lines.windows(2).all(|w| w[0][1] == w[1][0]);
+    if follow {
+        return lines.iter().map(|l| (l[1] - l[0]).norm()).sum();
+    }
     let Some(way) = lines.first().and_then(|l| (l[1] - l[0]).try_normalize(0.0)) else { return 0.0 };
     let along = |f: fn(f64, f64) -> f64, start: f64| lines.iter().flatten().map(|p| p.dot(&way)).fold(start, f);
     along(f64::max, f64::NEG_INFINITY) - along(f64::min, f64::INFINITY)

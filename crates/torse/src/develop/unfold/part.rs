@@ -214,7 +214,7 @@ fn part(
     let others: HashSet<usize> = found.others.iter().copied().collect();
     let formed =
         |o: &Outline| o.area < 0.0 && o.halves.iter().all(|h| body.beyond(*h).is_some_and(|g| others.contains(&g)));
-    let bends = bends(body, piece, found.thickness, options.facets);
+    let bends = bends(body, piece, found.thickness, options.facets, tolerance);
     let (marks, contours): (Vec<Outline>, Vec<Outline>) = outlines.into_iter().partition(formed);
     let mut pattern = Pattern {
         name: name.to_owned(),

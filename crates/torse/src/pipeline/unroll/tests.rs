@@ -521,6 +521,26 @@ fn general_cylinders_and_cones_and_tangent_surfaces_are_proven_in_strips_beside_
 }
 
 #[test]
+fn a_fold_along_a_curve_is_drawn_as_that_curve() {
+    // A cylinder, a part of which is reflected in the plane of a section.
+    let faces = [-60.0, 60.0].map(|z| {
+        let mut face = over_parabola(|p| p + Vec3::new(0.0, -80.0, z));
+        face.body = 7;
+        face
+    });
+    let answer = answered(faces.to_vec(), None);
+    assert_eq!((answer.status(), answer.patterns.len()), (Status::Certified, 1), "{:?}", answer.claims);
+    let fold = answer.sheets[0].bends.iter().find(|b| b.kind == BendKind::Fold).expect("a fold");
+    let lines = &fold.lines;
+    assert!(lines.len() > 4 && lines.windows(2).all(|w| w[0][1] == w[1][0]), "{lines:?}");
+    // The length of the parabola 0.008 x (100 − x).
+    let length = 100.0 * (0.5 * (1.0 + 0.64_f64).sqrt() + 0.8_f64.asinh() / 1.6);
+    assert!((fold.length - length).abs() < 1e-3 * length, "{} {length}", fold.length);
+    let chord = (lines[lines.len() - 1][1] - lines[0][0]).norm();
+    assert!(chord < 0.99 * fold.length, "{chord}");
+}
+
+#[test]
 fn strips_that_lie_elsewhere_are_refused_by_the_judge() {
     for faces in general_flaps() {
         let options = PartOptions { surfaces: true, ..PartOptions::new(TOLERANCE) };
