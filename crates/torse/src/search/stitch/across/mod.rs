@@ -293,16 +293,12 @@ impl Attempt<'_> {
         let labels: BTreeSet<u32> = split.map(|c| c.label).chain(change.rulings.keys().copied()).collect();
         for panel in &old.patchwork.panels {
             let Some(trim) = panel.trim.as_ref().filter(|t| labels.contains(&t.label)) else { continue };
-            let torse = trim.form.torse()?;
-            let (t0, t1) = torse.domain();
-            let [a, b] = change.rulings.get(&trim.label).copied().unwrap_or([t0, t1]);
-            let hair = HAIR * (t1 - t0);
-            let wide = if a < t0 || b > t1 {
-                torse.restricted(if a < t0 { a - hair } else { t0 }, if b > t1 { b + hair } else { t1 })
-            } else {
-                Some(torse.clone())
-            };
-            torses.insert(trim.label, wide?);
+            let rulings = change.rulings.get(&trim.label);
+            match trim.form.torse().and_then(|t| continued(t, rulings)) {
+                Some(torse) => drop(torses.insert(trim.label, torse)),
+                // The other side of its edges must hear of it.
+                None => return Some((old.clone(), BTreeSet::from([trim.label]))),
+            }
         }
         let mut edges = kept(&old.patchwork, &borders);
         edges.retain(|e| change.edges.iter().all(|c| c.chain != e.chain));
@@ -428,6 +424,17 @@ impl Attempt<'_> {
             }
         }
     }
+}
+
+/// The torse as far as it is used: as it is, or continued where that is beyond its ends.
+fn continued(torse: &Torse, rulings: Option<&[f64; 2]>) -> Option<Torse> {
+    let (t0, t1) = torse.domain();
+    let [a, b] = rulings.copied().unwrap_or([t0, t1]);
+    if a >= t0 && b <= t1 {
+        return Some(torse.clone());
+    }
+    let hair = HAIR * (t1 - t0);
+    torse.restricted(if a < t0 { a - hair } else { t0 }, if b > t1 { b + hair } else { t1 })
 }
 
 /// Share of its domain by which a torse that is continued goes on beyond the last ruling that is used.
