@@ -90,7 +90,7 @@ fn panels_of_two_faces_end_in_one_edge_however_these_are_oriented() {
 
 #[test]
 fn edges_of_three_faces_end_in_one_point() {
-    let answer = approximated(cube([4.0, 3.0, 4.0], 3), &[false; 3], 3.0);
+    let answer = approximated(cube([2.5, 2.0, 2.5], 3), &[false; 3], 3.0);
     assert_eq!(counted(&answer), [3, 0, 3]);
     // Each edge ends in the corner, bit by bit.
     let joints = answer.patchwork.seams();

@@ -83,9 +83,14 @@ fn across_faces<E: Send>(met: &mut [Result<Met, E>], (tolerance, limits): (f64, 
     met.iter_mut().flatten().zip(built).for_each(|(m, b)| b.into_iter().for_each(|b| m.built = b));
 }
 
-/// What a distance counts at a place on a border: as at the nearest of the places that are given, within reach of which it is.
+/// Places within this share of the reach of the nearest one count too.
+const AS_NEAR: f64 = 1e-3;
+
+/// What a distance counts at a place on a border: as at the nearest of the places that are given, within reach of which it is; the
+/// most of those that are as near.
 fn counts(lower: &[(Vec3, f64)], x: &Vec3, reach: f64) -> f64 {
-    let off = |c: &(Vec3, f64)| (c.0 - x).norm_squared();
-    let nearest = lower.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.filter(|c| off(c) <= reach * reach).map_or(1.0, |c| c.1)
+    let off = |c: &(Vec3, f64)| (c.0 - x).norm();
+    let nearest = lower.iter().map(off).fold(f64::INFINITY, f64::min);
+    let near = lower.iter().filter(|c| nearest <= reach && off(c) <= nearest + AS_NEAR * reach);
+    near.map(|c| c.1).fold(1.0, f64::max)
 }

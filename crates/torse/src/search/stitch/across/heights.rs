@@ -7,6 +7,7 @@
 use super::places::{Common, Ground};
 use super::vertices::Torses;
 use crate::geom::Vec3;
+use nalgebra::Matrix3;
 
 /// Parts of each edge of a border at whose ends heights are looked at.
 const PARTS: usize = 4;
@@ -16,6 +17,19 @@ const AWAY: f64 = 0.97;
 const ONE_SIGN: f64 = 0.9;
 /// Heights that must be less than this share of the tolerance are not asked for: panels would become many.
 const LEAST: f64 = 0.25;
+
+/// What distances count in a corner of three faces with these normals. `None` where these are nearly in one plane.
+pub(super) fn corner_counts(normals: [Vec3; 3]) -> Option<f64> {
+    let matrix = Matrix3::from_rows(&normals.map(|n| n.transpose()));
+    let back = matrix.try_inverse()?;
+    // The common point of panels that are as high as each may be, above or below.
+    let point = |signs: u32| {
+        let sign = |k: u32| if signs & (1 << k) == 0 { 1.0 } else { -1.0 };
+        (back * Vec3::new(sign(0), sign(1), sign(2))).norm()
+    };
+    let away = (0..8).map(point).fold(1.0, f64::max);
+    (away * LEAST <= 1.0).then_some(away / AWAY)
+}
 
 /// Places along an edge, and what the distances of panels count there. `None` where faces meet at too small an angle.
 pub(super) fn counts(of: &Common, grounds: &[Ground], torses: &Torses) -> Option<Vec<(Vec3, f64)>> {

@@ -22,11 +22,11 @@ use crate::search::stitch::attempts::unproven;
 use crate::search::stitch::seams::{kept, SharedSeam};
 use crate::torse::form::Torse;
 use course::{course, ended_anew, parts, Beside, Course};
-use heights::counts;
+use heights::{corner_counts, counts};
 use places::{common, cut, shares_along, Common, Ground};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use vertices::{Corners, InnerSeam, Torses};
+use vertices::{Corner, Corners, InnerSeam, Torses};
 
 /// Rounds of building panels without the edges that were refused, at most.
 const ROUNDS: usize = 16;
@@ -293,16 +293,12 @@ impl Attempt<'_> {
         let labels: BTreeSet<u32> = split.map(|c| c.label).chain(change.rulings.keys().copied()).collect();
         for panel in &old.patchwork.panels {
             let Some(trim) = panel.trim.as_ref().filter(|t| labels.contains(&t.label)) else { continue };
-            let torse = trim.form.torse()?;
-            let (t0, t1) = torse.domain();
-            let [a, b] = change.rulings.get(&trim.label).copied().unwrap_or([t0, t1]);
-            let hair = HAIR * (t1 - t0);
-            let wide = if a < t0 || b > t1 {
-                torse.restricted(if a < t0 { a - hair } else { t0 }, if b > t1 { b + hair } else { t1 })
-            } else {
-                Some(torse.clone())
-            };
-            torses.insert(trim.label, wide?);
+            let rulings = change.rulings.get(&trim.label);
+            match trim.form.torse().and_then(|t| continued(t, rulings)) {
+                Some(torse) => drop(torses.insert(trim.label, torse)),
+                // The other side of its edges must hear of it.
+                None => return Some((old.clone(), BTreeSet::from([trim.label]))),
+            }
         }
         let mut edges = kept(&old.patchwork, &borders);
         edges.retain(|e| change.edges.iter().all(|c| c.chain != e.chain));
@@ -391,13 +387,27 @@ impl Attempt<'_> {
         let counts: Vec<Option<Vec<(Vec3, f64)>>> =
             self.all.par_iter().map(|e| counts(e, &self.grounds, &self.torses)).collect();
         let is_open = |e: &usize| open.contains(e);
+        let edges: Vec<usize> = (0..self.all.len()).collect();
+        let corners = Corners::of(&self.all, &edges, &self.seams());
         let of = |face: usize| {
             let beside: Vec<usize> = (0..self.all.len()).filter(|&e| self.all[e].faces.contains(&face)).collect();
-            let wanted = beside.iter().any(|e| is_open(e) && counts[*e].is_some());
-            let places = beside.iter().filter(|_| wanted).filter_map(|e| counts[*e].clone());
-            places.flatten().collect()
+            if !beside.iter().any(|e| is_open(e) && counts[*e].is_some()) {
+                return Vec::new();
+            }
+            let places = beside.iter().filter_map(|e| counts[*e].clone()).flatten();
+            let corners = corners.all.iter().filter_map(|c| self.corner_counts(c, face));
+            places.chain(corners).collect()
         };
         (0..self.built.len()).map(of).collect()
+    }
+
+    /// Where a corner of three faces is in one of them, and what distances count there.
+    fn corner_counts(&self, corner: &Corner, face: usize) -> Option<(Vec3, f64)> {
+        let here = corner.at.iter().find(|at| at.0 == face)?;
+        let normals: BTreeMap<usize, Vec3> =
+            corner.at.iter().map(|&(f, v)| (f, self.grounds[f].normals(&[v], 1)[0])).collect();
+        let normals: Vec<Vec3> = normals.into_values().collect();
+        Some((self.grounds[face].places(&[here.1], 1)[0], corner_counts(normals.try_into().ok()?)?))
     }
 
     /// Tells both sides of each edge of the other.
@@ -414,6 +424,17 @@ impl Attempt<'_> {
             }
         }
     }
+}
+
+/// The torse as far as it is used: as it is, or continued where that is beyond its ends.
+fn continued(torse: &Torse, rulings: Option<&[f64; 2]>) -> Option<Torse> {
+    let (t0, t1) = torse.domain();
+    let [a, b] = rulings.copied().unwrap_or([t0, t1]);
+    if a >= t0 && b <= t1 {
+        return Some(torse.clone());
+    }
+    let hair = HAIR * (t1 - t0);
+    torse.restricted(if a < t0 { a - hair } else { t0 }, if b > t1 { b + hair } else { t1 })
 }
 
 /// Share of its domain by which a torse that is continued goes on beyond the last ruling that is used.

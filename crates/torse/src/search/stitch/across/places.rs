@@ -83,6 +83,8 @@ impl Ground<'_> {
 /// A border as a polyline in space.
 struct Course {
     face: usize,
+    /// Body of the face: what only touches another body is no edge of it.
+    body: u32,
     chain: TrimChain,
     points: Vec<Vec3>,
     bbox: BBox,
@@ -124,7 +126,7 @@ fn courses(grounds: &[Ground], reach: f64) -> Vec<Course> {
                 bbox.include(&p.add_scalar(reach));
                 bbox.include(&p.add_scalar(-reach));
             }
-            out.push(Course { face, chain, points, bbox });
+            out.push(Course { face, body: ground.face.body, chain, points, bbox });
         }
         out
     };
@@ -157,7 +159,7 @@ pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
     let found: Vec<_> = all
         .par_iter()
         .flat_map_iter(|a| {
-            let beside = all.iter().filter(|b| b.face != a.face && touch(a, b, reach));
+            let beside = all.iter().filter(|b| b.face != a.face && b.body == a.body && touch(a, b, reach));
             beside.flat_map(|b| ends_on(a, b)).collect::<Vec<_>>()
         })
         .collect();
@@ -213,7 +215,8 @@ pub(super) fn common(grounds: &[Ground], tolerance: f64) -> Vec<Common> {
             let near = (p - r).norm() <= reach && (q - s).norm() <= reach;
             let long = a.chain.length > ONE_END * tolerance;
             let along = |x: &Course, y: &Course| x.points.iter().all(|p| nearest(&y.points, p).0 <= reach);
-            (b.face != a.face && near && long && along(a, b) && along(b, a)).then_some((i, j, turned))
+            (b.face != a.face && b.body == a.body && near && long && along(a, b) && along(b, a))
+                .then_some((i, j, turned))
         };
         all.iter().enumerate().skip(i + 1).filter_map(of).collect()
     };
