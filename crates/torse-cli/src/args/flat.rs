@@ -126,7 +126,8 @@ pub struct Shape {
     #[arg(value_name = "JOB")]
     pub job: PathBuf,
 
-    /// Largest distance allowed between strips and the curves that they end on, with its unit: 0.5mm
+    /// Largest distance allowed where something is asked: of held places from where they are held, of strips from fixed
+    /// curves and targets, across joins; with its unit: 0.5mm. What is not held goes where it is fair, however far
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 

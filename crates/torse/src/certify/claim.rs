@@ -131,6 +131,12 @@ pub enum What {
     MeanPointDistance,
     /// Distance of a given ruling or plane from the strips, mm.
     ElementDistance,
+    /// Angle between the plane given with a ruling and the tangent plane of its strip, degrees.
+    ElementAngle,
+    /// Two-sided distance of strips from those that they were made of, mm.
+    FromTaken,
+    /// Distance of curves from what they were given as, mm.
+    CurvesMoved,
     /// Two-sided distance from a target, by its number, mm.
     TargetDistance(usize),
     /// Gap between both sides of a join, by its number, mm.

@@ -3,11 +3,13 @@
 //! *Method.* Each part of a given ruling is compared with a ruling of a strip end by end; between its ends the distance
 //! from a segment is convex, so that the bound holds for all points of the given ruling. A given plane is compared over
 //! its region of interest, a disc in it, with a tangent plane of a strip: the plane of a ruling and the homogeneous
-//! derivative across it, as in \[PW99, 2\]. The best parameter is searched with plain numbers; the bound is evaluated
+//! derivative across it, as in \[PW99, 2\]. Of a plane that is given with its ruling the angle is bounded on the nearest
+//! ruling. The best parameter is searched with plain numbers; the bound is evaluated
 //! in interval arithmetic \[MKC09\] from the numbers of the patch that are written.
 //! *Not guaranteed*: that a bound is the distance, or anything about the surface between the given elements.
 
 use super::claim::UpperBound;
+use super::joints::angle;
 use super::points::{distance_bound, Target};
 use crate::control::Control;
 use crate::geom::Vec3;
@@ -23,6 +25,7 @@ use rayon::prelude::*;
 pub struct ElementCertificate {
     bounds: Vec<f64>,
     places: Vec<(u32, f64)>,
+    turns: Vec<Option<f64>>,
 }
 
 impl ElementCertificate {
@@ -40,6 +43,14 @@ impl ElementCertificate {
     /// Index of the element with the largest bound.
     pub fn worst(&self) -> Option<usize> {
         (0..self.bounds.len()).max_by(|&i, &j| self.bounds[i].total_cmp(&self.bounds[j]))
+    }
+
+    /// The element with a ruling whose plane is turned farthest from the tangent plane of its strip on the ruling nearest to its
+    /// middle, and a bound of the angle between both, rad; `None` without rulings.
+    pub fn most_turned(&self) -> Option<(usize, UpperBound)> {
+        let turn = |(i, t): (usize, &Option<f64>)| t.map(|t| (i, t));
+        let worst = self.turns.iter().enumerate().filter_map(turn).max_by(|a, b| a.1.total_cmp(&b.1));
+        worst.map(|(i, t)| (i, UpperBound::shown(t)))
     }
 
     /// Bound of the largest distance, mm; unknown without elements.
@@ -88,7 +99,15 @@ pub fn elements(strips: &[Strip], elements: &[ContactElement], control: &Control
             best
         })
         .collect();
-    ElementCertificate { bounds: found.iter().map(|f| f.0).collect(), places: found.iter().map(|f| f.1).collect() }
+    let turn = |(e, (bound, (k, u))): (&ContactElement, &(f64, (u32, f64)))| {
+        let on = targets.get(*k as usize).filter(|_| bound.is_finite());
+        e.has_ruling().then(|| on.map_or(f64::INFINITY, |t| plane_turn(t, *u, e)))
+    };
+    ElementCertificate {
+        turns: elements.iter().zip(&found).map(turn).collect(),
+        bounds: found.iter().map(|f| f.0).collect(),
+        places: found.iter().map(|f| f.1).collect(),
+    }
 }
 
 /// The parameter with the least value: best of the table, then golden sections around it.
@@ -181,20 +200,43 @@ fn of_plane(t: &Target, e: &ContactElement) -> (f64, f64) {
     (plane_bound(t, u, e, &c), u)
 }
 
-/// Upper bound of the distance between the element's plane, over its disc, and the tangent plane at `u`.
-fn plane_bound(t: &Target, u: f64, e: &ContactElement, c: &Vec3) -> f64 {
-    // Near the region, so that large coordinates do not cancel in the determinants.
+/// Coordinates `(n, −h)` of the tangent plane at `u`, with the origin moved to `c`: near the region, so that large
+/// coordinates do not cancel in the determinants.
+fn tangent_plane(t: &Target, u: f64, c: &Vec3) -> [Interval; 4] {
     let jets = [0, 1].map(|k| jet(&t.rails[k], u, c));
     let across: [Interval; 4] = std::array::from_fn(|d| jets[0].1[d] + jets[1].1[d]);
-    let plane = through(&jets[0].0, &jets[1].0, &across);
-    let n = [plane[0], plane[1], plane[2]];
+    through(&jets[0].0, &jets[1].0, &across)
+}
+
+/// Length of a vector.
+fn norm(v: &[Interval; 3]) -> Interval {
+    root(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+}
+
+/// Cross product of a vector and a given one.
+fn cross(n: &[Interval; 3], given: &Vec3) -> [Interval; 3] {
+    let given = given.map(Interval::from);
+    std::array::from_fn(|i| n[(i + 1) % 3] * given[(i + 2) % 3] - n[(i + 2) % 3] * given[(i + 1) % 3])
+}
+
+/// Upper bound (rad) of the angle between the element's plane and the tangent plane at `u`, whichever sides they show.
+fn plane_turn(t: &Target, u: f64, e: &ContactElement) -> f64 {
+    let [x, y, z, _] = tangent_plane(t, u, &e.centre());
+    let n = [x, y, z];
     let given = e.normal.map(Interval::from);
-    let length = root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    let own = root(given[0] * given[0] + given[1] * given[1] + given[2] * given[2]);
-    let off = plane[3];
-    let cross: [Interval; 3] =
-        std::array::from_fn(|i| n[(i + 1) % 3] * given[(i + 2) % 3] - n[(i + 2) % 3] * given[(i + 1) % 3]);
-    let sine = root(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) / (length * own);
+    let cosine = n[0] * given[0] + n[1] * given[1] + n[2] * given[2];
+    let turn = angle(norm(&cross(&n, &e.normal)), if cosine.hi < 0.0 { -cosine } else { cosine });
+    // Planes are never more than a right angle apart.
+    turn.min(std::f64::consts::FRAC_PI_2.next_up())
+}
+
+/// Upper bound of the distance between the element's plane, over its disc, and the tangent plane at `u`.
+fn plane_bound(t: &Target, u: f64, e: &ContactElement, c: &Vec3) -> f64 {
+    let [x, y, z, off] = tangent_plane(t, u, c);
+    let n = [x, y, z];
+    let length = norm(&n);
+    let own = norm(&e.normal.map(Interval::from).into());
+    let sine = norm(&cross(&n, &e.normal)) / (length * own);
     let bound = (off / length).abs().hi + (Interval::from(e.radius) * sine).hi;
     // One sum of two numbers, rounded to nearest.
     if bound.is_finite() {
@@ -275,5 +317,28 @@ mod tests {
         }
         assert_eq!((got.worst(), got.beyond(0.4)), (Some(2), 2));
         assert!(elements(&[], &[ruling], &Control::default()).bounds()[0].is_infinite());
+    }
+
+    #[test]
+    fn planes_of_rulings_have_their_angle_from_the_strip() {
+        let turned = |angle: f64| ContactElement {
+            normal: Vec3::new(angle.sin(), 0.0, angle.cos()),
+            ends: [Vec3::new(5.0, 1.0, 0.0), Vec3::new(5.0, 8.0, 0.0)],
+            radius: 1.0,
+            weight: 1.0,
+        };
+        let half_turn = std::f64::consts::PI;
+        for (given, is) in
+            [(0.2, 0.2), (-0.3, 0.3), (half_turn, 0.0), (half_turn - 0.1, 0.1), (0.5 * half_turn, 0.5 * half_turn)]
+        {
+            let found = elements(&[quad()], &[turned(0.0), turned(given)], &Control::default());
+            let (index, bound) = found.most_turned().expect("rulings");
+            assert!(index == 1 || is == 0.0, "{given}: {index}");
+            assert!(bound.value() >= is && bound.value() <= is + 1e-9, "{given}: {bound:?}");
+        }
+        let level = ContactElement { ends: [Vec3::new(5.0, 5.0, 0.0); 2], ..turned(0.2) };
+        assert_eq!(elements(&[quad()], &[level], &Control::default()).most_turned(), None);
+        let nothing = elements(&[], &[turned(0.2)], &Control::default()).most_turned().expect("a ruling").1;
+        assert_eq!(nothing, UpperBound::UNKNOWN);
     }
 }

@@ -117,7 +117,7 @@ fn bound(n: &[Poly; 3], m: &[Poly; 3], seen: f64, depth: usize) -> f64 {
 }
 
 /// The largest angle whose sine and cosine are in these ranges, both times one positive factor.
-fn angle(sine: Interval, cosine: Interval) -> f64 {
+pub(super) fn angle(sine: Interval, cosine: Interval) -> f64 {
     if cosine.lo > 0.0 {
         let tangent = (Interval::point(sine.hi) / Interval::point(cosine.lo)).hi;
         return (tangent.atan() * (1.0 + ARC)).next_up();

@@ -38,6 +38,12 @@ pub(crate) fn titled(name: &str, marked: bool) -> String {
     }
 }
 
+/// A name as [`titled`] leaves it without what is said of its certificate, and whether that was said.
+pub(crate) fn untitled(name: &str) -> (&str, bool) {
+    let bare = name.strip_suffix(NOT_CERTIFIED).map(str::trim_end).filter(|bare| !bare.is_empty());
+    bare.map_or((name, false), |bare| (bare, true))
+}
+
 /// Triangles of a part of the model that is of one kind.
 #[derive(Clone, Debug)]
 pub struct ShapePatch {

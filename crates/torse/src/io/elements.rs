@@ -155,17 +155,9 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
             return Err(fault(format!("the weight {weight} is not positive")));
         }
         if let Some(at) = rulings {
-            let normal = normals.as_ref().map_or(Vec3::zeros(), |n| vector(n));
-            let size = normal.norm();
-            if normals.is_some() && !(size > 0.0 && size.is_finite()) {
-                return Err(fault(format!("the normal has the length {size:e}; any between 1e-150 and 1e150 will do")));
-            }
             let ends = [vector(&at[..3]) * unit, vector(&at[3..]) * unit];
-            near(ends.iter().flatten()).map_err(fault)?;
-            // Rulings are compared on themselves; their planes in a narrow region around.
-            const NARROW: f64 = 0.1;
-            let radius = NARROW * (ends[1] - ends[0]).norm();
-            found.push((t, ContactElement { normal, ends, radius, weight }));
+            let normal = normals.as_ref().map(|n| vector(n));
+            found.push((t, ruling(ends, normal, weight).map_err(fault)?));
         } else if let Some(at) = planes {
             let n = vector(&at[..3]);
             // Squares of very large or small numbers are none: first the numbers by the largest of them.
@@ -201,6 +193,40 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
         return Ok((Given::Rulings(found.into_iter().map(|f| f.1.ends).collect()), guessed));
     }
     Ok((Given::Planes(found.into_iter().map(|f| f.1).collect()), guessed))
+}
+
+/// A ruling with the normal of its plane, zero where none is given.
+fn ruling(ends: [Vec3; 2], normal: Option<Vec3>, weight: f64) -> Result<ContactElement, String> {
+    near(ends.iter().flatten())?;
+    if let Some(normal) = normal {
+        let size = normal.norm();
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(format!("the normal has the length {size:e}; any between 1e-150 and 1e150 will do"));
+        }
+        square(&normal, &ends)?;
+    }
+    // Rulings are compared on themselves; their planes in a narrow region around.
+    const NARROW: f64 = 0.1;
+    let radius = NARROW * (ends[1] - ends[0]).norm();
+    Ok(ContactElement { normal: normal.unwrap_or_else(Vec3::zeros), ends, radius, weight })
+}
+
+/// Degrees by which a normal may be off square to its ruling: rounded and measured ones are, by less.
+const OBLIQUE_DEG: f64 = 5.0;
+
+/// Refuses normals of planes that do not hold their ruling.
+fn square(normal: &Vec3, ends: &[Vec3; 2]) -> Result<(), String> {
+    let d = ends[1] - ends[0];
+    // Along the largest of their numbers, so that squares stay numbers.
+    let (n, d) = (normal / normal.amax(), d / d.amax());
+    let off = (n.dot(&d).abs() / (n.norm() * d.norm())).min(1.0).asin().to_degrees();
+    if off > OBLIQUE_DEG {
+        return Err(format!(
+            "the normal is {off:.1}° off square to the ruling: the plane does not hold it; give the normal of the tangent \
+             plane, or leave out nx, ny, nz"
+        ));
+    }
+    Ok(())
 }
 
 /// Refuses lengths (mm) that are too great to be reckoned with.
@@ -245,6 +271,8 @@ mod tests {
             .contains("line 3: the parameter t = 1 repeats"));
         assert!(text(b"t,a,b,c,d,x,y,z,r\n2,0,0,1,0,0,0,0,1\n1,0,1,1,0,0,0,0,1\n").contains("sort the rows by t"));
         assert!(text(b"a,b,c,d,x,y,z,r,w\n0,0,1,1,0,0,0,1,0\n").contains("weight 0"));
+        let oblique = text(b"px,py,pz,qx,qy,qz,nx,ny,nz\n0,0,0,1,0,0,0,0,1\n0,1,0,1,1,0,0.1,0,1\n");
+        assert!(oblique.contains("line 3: the normal is 5.7\u{b0} off square"), "{oblique}");
         assert!(text(b"a,b,c,d,x,y,z,r\n0,0,0,1,0,0,0,1\n").contains("no normal"));
         assert!(text(b"px [in],py [in],pz [in],qx [in],qy [in],qz [in]\n0,0,0,1,0,0\n1e308,0,0,1,0,9\n")
             .contains("line 3: a length of inf mm"));

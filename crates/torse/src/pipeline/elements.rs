@@ -1,20 +1,20 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
-use crate::answer::note::{Became, FaceNote};
+use crate::answer::note::{Became, FaceNote, FitNote, Note};
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;
 use crate::brep::face::Face;
-use crate::certify::claim::{Claim, Counted, Subject};
+use crate::certify::claim::{Claim, Counted, Status, Subject};
 use crate::certify::elements::elements as certified;
 use crate::control::Control;
-use crate::fit::elements::given::{agreeing, of_rulings, repeated, square, FEWEST};
+use crate::fit::elements::given::{agreeing, of_rulings, only, repeated, square, FEWEST};
 use crate::geom::coarse::{is_tolerance, Coarse, Loose};
 use crate::geom::BBox;
 use crate::io::words;
 use crate::reason::{Item, JobReason, Reason};
 use crate::search::strips::rows::{strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
-use crate::torse::contact::{orient, Given};
+use crate::torse::contact::{orient, ContactElement, Given};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 use judged::{judged, Made, Sort};
@@ -23,6 +23,8 @@ use std::time::Instant;
 
 mod judged;
 mod options;
+#[cfg(test)]
+mod tests;
 
 /// Fits developable strips to rulings or tangent planes.
 ///
@@ -59,26 +61,61 @@ pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Contro
     if let Some(index) = repeated(given) {
         return Err(ElementFitError::Repeated { what: sort.one(), index });
     }
-    let (kept, out) = if options.robust { agreeing(given, options.tolerance) } else { (given.clone(), Vec::new()) };
-    let estimates = match &kept {
-        Given::Planes(p) => vec![p.clone()],
-        Given::Rulings(r) => of_rulings(r, options.tolerance)?,
+    let fitted = |kept: &Given| -> Result<Answer, ElementFitError> {
+        let estimates = match kept {
+            Given::Planes(p) => vec![p.clone()],
+            Given::Rulings(r) => of_rulings(r, options.tolerance)?,
+        };
+        run(vec![Row { name: what.to_string(), estimates, face: None }], Vec::new(), sort, options, control)
     };
-    let row = Row { name: what.to_string(), estimates, face: None };
-    let mut answer = run(vec![row], Vec::new(), sort, options, control)?;
+    let all = fitted(given)?;
+    // What one strip follows has no outliers.
+    if !options.robust || (all.status() == Status::Certified && all.patchwork.panels.len() == 1) {
+        return Ok(all);
+    }
+    let (kept, mut out) = agreeing(given, options.tolerance);
+    let mut answer = if out.is_empty() { all } else { fitted(&kept)? };
+    let mut left = bounds(&answer, &out, control);
+    // What lies within the tolerance of the strips all the same is taken in, as long as that does no harm.
+    while left.iter().any(|away| *away <= options.tolerance) {
+        let mut far = left.iter().map(|away| *away > options.tolerance);
+        let fewer: Vec<_> = out.iter().copied().filter(|_| far.next() == Some(true)).collect();
+        let kept: Vec<usize> = (0..given.len()).filter(|k| fewer.iter().all(|o| o.0 != *k)).collect();
+        let again = fitted(&only(given, &kept))?;
+        if again.status() != Status::Certified && answer.status() == Status::Certified {
+            break;
+        }
+        (answer, out) = (again, fewer);
+        left = bounds(&answer, &out, control);
+    }
     if !out.is_empty() {
-        let strips: Vec<Strip> = answer.strips().cloned().collect();
-        let left = certified(&strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
-        let why = out.iter().zip(left.bounds()).map(|((index, _), away)| JobReason::Outlier {
-            sort: sort.given(),
-            index: *index,
-            away: *away,
-        });
+        let reason = |index, away| JobReason::Outlier { sort: sort.given(), index, away };
+        let why = out.iter().zip(&left).map(|((index, _), away)| reason(*index, *away));
         answer.skipped.extend(why.map(Skipped::from));
         let claims = &mut answer.claims;
         claims.insert(claims.len().min(1), Claim::count(Counted::Outliers, Subject::Whole, out.len()));
+        answer.notes.extend(shortened(given, &out).map(Note::Fit));
     }
     Ok(answer)
+}
+
+/// Proven distances (mm) of elements that were left out from the strips of the others.
+fn bounds(answer: &Answer, out: &[(usize, ContactElement)], control: &Control) -> Vec<f64> {
+    let strips: Vec<Strip> = answer.strips().cloned().collect();
+    certified(&strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control).bounds().to_vec()
+}
+
+/// Says by how much a row of planes is shorter where those at its ends are left out.
+fn shortened(given: &Given, out: &[(usize, ContactElement)]) -> Option<FitNote> {
+    let Given::Planes(row) = given else { return None };
+    let is_out = |k: &usize| out.iter().any(|o| o.0 == *k);
+    let first = (0..row.len()).find(|k| !is_out(k))?;
+    let last = (0..row.len()).rev().find(|k| !is_out(k))?;
+    let count = first + row.len() - 1 - last;
+    let way =
+        |range: &[ContactElement]| -> f64 { range.windows(2).map(|w| (w[1].centre() - w[0].centre()).norm()).sum() };
+    let by = way(&row[..=first]) + way(&row[last..]);
+    (count > 0).then(|| FitNote::Shortened { count, by, of: way(row) })
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from

@@ -26,12 +26,15 @@ use crate::torse::zone::RegressionLimits;
 pub use options::FitOptions;
 
 mod options;
+#[cfg(test)]
+mod tests;
 
 /// Fits developable strips to measured points.
 ///
 /// *Input*: finite points in mm, at least 30, not in a line; no order, no normals needed. Of a coarse mesh (see
 /// `fit::cloud::facets`) points between its corners guide the fit; judged are the corners, and a part of the
 /// mesh without strip is an objection.
+/// Points that no triangle of a mesh uses are left out.
 /// *Result*: certified if every point is proven to lie within the tolerance; otherwise the points that are not are
 /// counted and the worst is named. Strips cover what was measured and are not joined to each other.
 ///
@@ -49,6 +52,8 @@ mod options;
 /// ```
 pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Answer, CloudError> {
     let clock = std::time::Instant::now();
+    let (cloud, unused) = cloud.used();
+    let cloud = cloud.as_ref();
     checked(cloud, options)?;
     // 1. Strips under the points, with their proof.
     let wanted = ScanOptions {
@@ -73,17 +78,8 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         false => outlined(strips.clone(), &mut laid, followed, flat.side, options.tolerance, control),
     };
     let stretched = laid.refused();
-    let mut notes = vec![Note::Fit(FitNote::Ends {
-        outlines: ended.outlines,
-        whole: ended.whole.clone(),
-        mesh: between.is_some(),
-    })];
-    if strips.len() > 1 {
-        notes.push(Note::Unjoined);
-    }
-    if lonely > 0 {
-        notes.push(Note::Fit(FitNote::Lonely { count: lonely }));
-    }
+    let ends = FitNote::Ends { outlines: ended.outlines, whole: ended.whole.clone(), mesh: between.is_some() };
+    let mut notes = told(ends, &strips, unused, lonely);
     let whole = Subject::Whole;
     let worst = certificate.worst_bound();
     let mut claims = vec![
@@ -131,6 +127,15 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         seconds: clock.elapsed().as_secs_f64(),
         ..Answer::of_flat(Job::Fit, &options.input, options.tolerance, laid)
     })
+}
+
+/// Notes on outlines, on several strips, and on points that are left out or lie apart.
+fn told(ends: FitNote, strips: &[Strip], unused: usize, lonely: usize) -> Vec<Note> {
+    let mut notes = vec![Note::Fit(ends)];
+    notes.extend((strips.len() > 1).then_some(Note::Unjoined));
+    notes.extend((unused > 0).then_some(Note::Fit(FitNote::Unused { count: unused })));
+    notes.extend((lonely > 0).then_some(Note::Fit(FitNote::Lonely { count: lonely })));
+    notes
 }
 
 /// Refuses options that cannot be kept, and a tolerance that does not suit the points.

@@ -2,6 +2,7 @@
 //!
 //! Reads like the page that describes it: set up the composite, settle it, move handles, polish, have it judged, develop.
 
+mod apart;
 mod composite;
 mod given;
 mod goal;
@@ -9,6 +10,7 @@ mod joined;
 mod judged;
 mod moved;
 mod options;
+mod rails;
 mod targets;
 #[cfg(test)]
 mod tests;
@@ -38,7 +40,7 @@ const POLISHED: f64 = 1e-11;
 ///
 /// *Guarantee.* `Certified` only if the twist of every developable strip is proven to stay below `twist_tolerance`, no ruling
 /// meets the regression curve within it (proven), pieces that should go on smoothly are proven to do so and joins to have no
-/// gap beyond the tolerance, targets are proven to be as near as asked for, both ways, fixed curves are proven to be kept
+/// gap beyond the tolerance, rails of lofts that are taken over to be covered whole, targets are proven to be as near as asked for, both ways, fixed curves are proven to be kept
 /// within the tolerance and held places are (measured), and every part has a pattern. Everything else is `Uncertified` with
 /// the reason.
 ///
@@ -68,8 +70,8 @@ pub fn shape(
     if job.from.is_empty() {
         Loose::check(BBox::of(&points).diagonal(), options.tolerance)?;
     }
-    let (composite, goals) = composite(job, load, options.tolerance)?;
-    let mut out = Moved::default();
+    let (composite, goals, taken) = composite(job, load, options.tolerance)?;
+    let mut out = Moved { notes: taken.notes.clone(), ..Moved::default() };
     let mut session = Session::new(composite, SessionOptions::default())?;
     control.report("settling", 0.1, "");
     let settled = session.settle(control);
@@ -85,9 +87,12 @@ pub fn shape(
         let left = polished.residual * session.size();
         out.missing.push(JobReason::Unmet { class, left, item }.into());
     }
+    if !out.stages.is_empty() {
+        out.stage(&session, "result".into())?;
+    }
     control.report("judging", 0.7, "");
     // The proof has its own clock: what was made is judged even when time is up.
-    let asked = Asked { records: &job.targets, goals: &goals, options };
+    let asked = Asked { records: &job.targets, goals: &goals, own: job.curves.len(), taken: &taken, options };
     let answer = judged(&session, &asked, out, &Control::default())?;
     Ok(Answer { seconds: start.elapsed().as_secs_f64(), ..answer })
 }

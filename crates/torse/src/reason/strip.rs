@@ -265,6 +265,15 @@ pub enum JobReason {
         /// How far away it is, mm.
         away: f64,
     },
+    /// The plane given with a ruling is not the tangent plane there.
+    Turned {
+        /// Number of the ruling.
+        index: usize,
+        /// The angle between both, rad.
+        angle: f64,
+        /// What counts as the same plane, rad.
+        limit: f64,
+    },
     /// A share of the places on a mesh have no strip near them, for example one.
     Bare(f64, Vec3),
     /// Conditions ask for more than there is.
@@ -287,6 +296,8 @@ pub enum JobReason {
     },
     /// A condition is off by so much, mm.
     Off(Item, f64),
+    /// A curve runs against the direction that it is held to.
+    Backwards(Item),
     /// Nothing is asked that could be proven.
     NothingAsked,
     /// The gap of a join is not shown to keep within the tolerance.

@@ -33,6 +33,20 @@ pub enum FitNote {
     },
     /// A face that was to become simpler.
     Face(FaceNote),
+    /// Points of a mesh that none of its triangles uses: they are left out.
+    Unused {
+        /// How many.
+        count: usize,
+    },
+    /// Planes at the ends of their row are left out as outliers: the strips end before them.
+    Shortened {
+        /// How many at both ends.
+        count: usize,
+        /// How far it is from the outermost ones to the next that are kept, at both ends together, mm.
+        by: f64,
+        /// How long the row is, mm.
+        of: f64,
+    },
     /// Distances are proven at these, not between them.
     At(Counted),
 }

@@ -144,6 +144,11 @@ pub enum Note {
         /// How far it is off, mm.
         off: f64,
     },
+    /// Strips of a composite were taken from strips without a certificate.
+    TakenUncertified {
+        /// Their names.
+        names: Vec<String>,
+    },
     /// Some strips of a composite are ruled and have no flat patterns.
     RuledStrips {
         /// How many.

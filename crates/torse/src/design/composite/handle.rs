@@ -16,7 +16,8 @@ pub struct Place {
 pub enum Hold {
     /// The place lies at a point, mm.
     Point(Vec3),
-    /// The curve runs along a direction there, forwards or backwards.
+    /// The curve runs along a direction there. What is held is the line: a curve that begins by running along it backwards
+    /// goes on to, and a judge must look.
     Tangent(Vec3),
     /// The place lies in a plane.
     Plane {

@@ -61,16 +61,21 @@ pub fn square(elements: &mut [ContactElement]) {
     }
 }
 
+/// Some of what is given, by their indices.
+pub(crate) fn only(given: &Given, of: &[usize]) -> Given {
+    match given {
+        Given::Planes(p) => Given::Planes(of.iter().map(|&i| p[i]).collect()),
+        Given::Rulings(r) => Given::Rulings(of.iter().map(|&i| r[i]).collect()),
+    }
+}
+
 /// What is given without its outliers, and these with their indices.
 pub(crate) fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, ContactElement)>) {
     // Outliers taken out in turn; what is left then has more of them than agreement.
     const ROUNDS: usize = 64;
     let mut left: Vec<usize> = (0..given.len()).collect();
     let mut out: Vec<(usize, ContactElement)> = Vec::new();
-    let part = |of: &[usize]| match given {
-        Given::Planes(p) => Given::Planes(of.iter().map(|&i| p[i]).collect()),
-        Given::Rulings(r) => Given::Rulings(of.iter().map(|&i| r[i]).collect()),
-    };
+    let part = |of: &[usize]| only(given, of);
     for _ in 0..ROUNDS {
         let mut estimates = match part(&left) {
             Given::Planes(p) => vec![p],

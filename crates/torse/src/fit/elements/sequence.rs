@@ -262,7 +262,7 @@ fn controlled_by_slope(elements: &[ContactElement], limits: &RegressionLimits, o
 }
 
 /// The least value on an interval: the best of a table, then golden sections.
-fn least(a: f64, b: f64, value: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn least(a: f64, b: f64, value: impl Fn(f64) -> f64) -> f64 {
     const TABLE: usize = 96;
     const SECTIONS: usize = 30;
     let at = |k: usize| a + (b - a) * k as f64 / TABLE as f64;
@@ -537,11 +537,16 @@ pub(crate) fn data(elements: &[ContactElement], parameters: &[f64], frame: &Fram
 
 /// The torse of a cubic curve of planes, in the world, continued a little beyond both ends.
 pub(crate) fn extended(curve: &DualCurve, frame: &Frame) -> Option<DualTorse> {
+    extended_by(MARGIN, curve, frame)
+}
+
+/// The same, continued by a share of its domain.
+pub(crate) fn extended_by(share: f64, curve: &DualCurve, frame: &Frame) -> Option<DualTorse> {
     let torse = curve.to_world(frame).ok()?.to_torse();
     let pieces = Pieces::of(&torse.planes)?;
     let (a, b) = pieces.domain();
     let shortest = 0.25 * (b - a) / pieces.power.len() as f64;
-    let planes = pieces.on(a - MARGIN * (b - a), b + MARGIN * (b - a), shortest).to_curve().ok()?;
+    let planes = pieces.on(a - share * (b - a), b + share * (b - a), shortest).to_curve().ok()?;
     Some(DualTorse { planes })
 }
 

@@ -27,6 +27,9 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::PointDistance => "largest distance of a point from the uncut strips".into(),
         What::MeanPointDistance => "root mean square distance".into(),
         What::ElementDistance => "largest distance".into(),
+        What::ElementAngle => "largest angle between given and fitted tangent planes".into(),
+        What::FromTaken => "distance of the strips from those taken over, both ways".into(),
+        What::CurvesMoved => "distance of the curves from those given".into(),
         What::TargetDistance(k) => format!("from target {k}"),
         What::JoinGap(k) => format!("gap of join {k}"),
         What::JoinAngle(k) => format!("angle along join {k}"),
@@ -109,6 +112,9 @@ pub fn id(what: What) -> &'static str {
         What::PointDistance => "point_distance",
         What::MeanPointDistance => "mean_point_distance",
         What::ElementDistance => "element_distance",
+        What::ElementAngle => "element_angle",
+        What::FromTaken => "from_taken",
+        What::CurvesMoved => "curves_moved",
         What::TargetDistance(_) => "target_distance",
         What::JoinGap(_) => "join_gap",
         What::JoinAngle(_) => "join_angle",
@@ -190,6 +196,8 @@ pub fn unit(what: What) -> &'static str {
         | What::PointDistance
         | What::MeanPointDistance
         | What::ElementDistance
+        | What::FromTaken
+        | What::CurvesMoved
         | What::TargetDistance(_)
         | What::JoinGap(_)
         | What::SeamGap
@@ -218,6 +226,7 @@ pub fn unit(what: What) -> &'static str {
         | What::LargestBend
         | What::Kink
         | What::JoinAngle(_)
+        | What::ElementAngle
         | What::Turn
         | What::EndRulingError => "°",
         What::JointMismatch => "rad",

@@ -101,6 +101,13 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         Claim::at_most(What::ElementDistance, whole, worst).within(options.tolerance).because(reason.map(Reason::from)),
         Claim::count(Counted::Beyond, whole, beyond),
     ];
+    // Planes of rulings that were found from these are no data.
+    let turned = certificate.most_turned().filter(|_| matches!(sort, Sort::Planes) && !strips.is_empty());
+    claims.extend(turned.map(|(index, turn)| {
+        let reason = JobReason::Turned { index, angle: turn.value(), limit: options.plane_angle };
+        let claim = Claim::at_most(What::ElementAngle, whole, turn.degrees());
+        claim.within(options.plane_angle.to_degrees()).because(Reason::from(reason))
+    }));
     if control.stopped() {
         claims.push(Claim::objection(whole, JobReason::NotAllJudged(sort.given())));
     }

@@ -26,9 +26,15 @@ pub struct ElementFitOptions {
     pub smoothing: Option<f64>,
     /// Whether elements far from a surface that most of the others agree on are left out and named; false.
     pub robust: bool,
+    /// Largest angle between tangent planes that are given with rulings and those of the strips, rad; 5°: planes of
+    /// measured rulings are known to a few degrees, and others that are farther off belong to another surface.
+    pub plane_angle: f64,
     /// How flat patterns are drawn; default seen from outside, lines every 5°.
     pub drawn: Drawn,
 }
+
+/// Angle (rad) between given and fitted tangent planes that is allowed where nothing else is said: 5°.
+const ASIDE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 impl ElementFitOptions {
     /// The defaults with a tolerance in mm.
@@ -42,6 +48,7 @@ impl ElementFitOptions {
             fix_ends: false,
             smoothing: None,
             robust: false,
+            plane_angle: ASIDE,
             drawn: Drawn::default(),
         }
     }

@@ -1,6 +1,6 @@
 //! The composite that a job's file describes.
 
-use super::given::given;
+use super::given::{given, Taken};
 use super::goal::Goal;
 use super::options::ShapeError;
 use crate::constraint::border::Border;
@@ -15,12 +15,12 @@ use crate::io::shape::{
 use crate::spline::curve::Curve;
 use std::sync::Arc;
 
-/// The composite that a file describes, with what its targets are; `tolerance` (mm) is that of the job.
+/// The composite that a file describes, with what its targets are and what was taken over; `tolerance` (mm) is that of the job.
 pub(super) fn composite(
     job: &ShapeFile,
     load: &dyn Fn(&str) -> Result<Vec<u8>, String>,
     tolerance: f64,
-) -> Result<(Composite, Vec<Goal>), ShapeError> {
+) -> Result<(Composite, Vec<Goal>, Taken), ShapeError> {
     let strip = |s: &StripRecord| RuledStrip {
         name: s.name.clone(),
         sides: s.sides.clone(),
@@ -62,7 +62,7 @@ pub(super) fn composite(
             .collect(),
         targets,
     };
-    Ok((composite, goals))
+    Ok((composite, goals, given.taken))
 }
 
 fn place(p: &PlaceRecord) -> Place {
@@ -110,13 +110,23 @@ pub(super) fn held(point: Option<[f64; 3]>, tangent: Option<[f64; 3]>, plane: Op
 /// A hold on the way from one to another of its kind; of two kinds, the other.
 pub(super) fn between(from: &Hold, to: &Hold, share: f64) -> Hold {
     let mix = |a: &Vec3, b: &Vec3| a + (b - a) * share;
-    let turn = |a: &Vec3, b: &Vec3| a.normalize() + (b.normalize() - a.normalize()) * share;
+    let turn = |a: &Vec3, b: &Vec3| mix(&a.normalize(), &b.normalize());
     match (from, to) {
         (Hold::Point(a), Hold::Point(b)) => Hold::Point(mix(a, b)),
         (Hold::Tangent(a), Hold::Tangent(b)) => Hold::Tangent(turn(a, b)),
         (Hold::Plane { point: a, normal: n }, Hold::Plane { point: b, normal: m }) => {
-            Hold::Plane { point: mix(a, b), normal: turn(n, m) }
+            // Turned round, a normal is one of the same plane.
+            let m = if n.dot(m) < 0.0 { -m } else { *m };
+            Hold::Plane { point: mix(a, b), normal: turn(n, &m) }
         }
         _ => *to,
     }
+}
+
+/// Cosine of the angle between directions that are opposite: there is no telling which way round one turns to the other.
+const OPPOSITE: f64 = -1.0 + 1e-9;
+
+/// Whether a hold is the direction opposite to another.
+pub(super) fn opposite(from: &Hold, to: &Hold) -> bool {
+    matches!((from, to), (Hold::Tangent(a), Hold::Tangent(b)) if a.normalize().dot(&b.normalize()) <= OPPOSITE)
 }

@@ -1,16 +1,20 @@
 //! Strips that a job takes from other files: panels of an earlier result, and lofts between two curves.
 
 use super::options::ShapeError;
+use super::rails::{rails, rails_of, sampled};
+use crate::answer::note::{LoftNote, Note};
+use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Status, What};
 use crate::control::Control;
 use crate::design::composite::{BoundaryCurve, Join, RuledStrip, Smoothness, StripShape};
+use crate::draw::scene::untitled;
 use crate::geom::Vec3;
-use crate::io::curves::{self, CurveOptions};
 use crate::io::shape::{knots, FromRecord, ShapeFile};
 use crate::io::step;
-use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenStrip};
+use crate::patchwork::written::WrittenStrip;
 use crate::pipeline::loft;
-use crate::spline::curve::Curve;
 use crate::spline::lsq;
+use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
 
@@ -27,12 +31,26 @@ pub(super) struct Given {
     pub curves: Vec<BoundaryCurve>,
     pub strips: Vec<RuledStrip>,
     pub joins: Vec<Join>,
+    pub taken: Taken,
 }
 
-/// Both sides of a strip by places at equal shares, ready to be laid on splines.
+/// What was taken over as it was, and what is to be said of it.
+#[derive(Debug, Default)]
+pub(super) struct Taken {
+    /// The strips as faces, in the order of the strips that are made of them; `None` for one of which there is no face.
+    pub faces: Vec<Option<Face>>,
+    /// What stands against the status of the whole: rails that lofts cover in part.
+    pub against: Vec<Claim>,
+    pub notes: Vec<Note>,
+    /// Names of strips that had no certificate.
+    pub uncertified: Vec<String>,
+}
+
+/// Both sides of a strip by places at equal shares, ready to be laid on splines; and the strip.
 struct Sides {
     name: String,
     sides: [Vec<[f64; 3]>; 2],
+    face: Option<Face>,
 }
 
 /// Reads and lays on splines what a job takes from other files; `tolerance` (mm) is that of lofts.
@@ -45,11 +63,20 @@ pub(super) fn given(
     for (index, record) in job.from.iter().enumerate() {
         let wrong = |reason: String| ShapeError::From { index, reason };
         let sides = match (&record.panels, &record.loft) {
-            (Some(file), _) => panels(file, record, load),
-            (_, Some(files)) => rails_of(files, job.unit, load).and_then(|r| lofted(&r, record, tolerance, index)),
+            (Some(file), _) => panels(file, record, load, &mut out.taken),
+            (_, Some(files)) => {
+                let rails = rails_of(files, job.unit, load);
+                rails.and_then(|r| lofted(&r, record, tolerance, index, &mut out.taken))
+            }
             _ => Ok(Vec::new()),
         };
-        out.add(&sides.map_err(wrong)?, record).map_err(wrong)?;
+        let sides = sides.map_err(wrong)?;
+        out.add(&sides, record).map_err(wrong)?;
+        out.taken.faces.extend(sides.into_iter().map(|s| s.face));
+    }
+    if !out.taken.uncertified.is_empty() {
+        let names = std::mem::take(&mut out.taken.uncertified);
+        out.taken.notes.push(Note::TakenUncertified { names });
     }
     Ok(out)
 }
@@ -64,112 +91,51 @@ fn panels(
     file: &str,
     record: &FromRecord,
     load: &dyn Fn(&str) -> Result<Vec<u8>, String>,
+    taken: &mut Taken,
 ) -> Result<Vec<Sides>, String> {
     let help = "give the panels.step that torse wrote for a loft, a hull, a fit or a shape";
     let all = step::read::own::strips(&load(file)?).map_err(|e| format!("{file}: {e}; {help}"))?;
-    if let Some(name) = record.names.iter().find(|n| !all.iter().any(|s| s.name == **n)) {
-        let there: Vec<&str> = all.iter().take(6).map(|s| &s.name[..]).collect();
+    // What files say of certificates belongs to those results, and to no name.
+    let is = |s: &WrittenStrip, name: &str| untitled(&s.name).0 == untitled(name).0;
+    if let Some(name) = record.names.iter().find(|n| !all.iter().any(|s| is(s, n))) {
+        let there: Vec<&str> = all.iter().take(6).map(|s| untitled(&s.name).0).collect();
         return Err(format!("{file} has no panel '{name}'; it has {}", there.join(", ")));
     }
-    let wanted = |s: &&WrittenStrip| record.names.is_empty() || record.names.contains(&s.name);
+    let wanted = |s: &&WrittenStrip| record.names.is_empty() || record.names.iter().any(|n| is(s, n));
     let made = |s: &WrittenStrip| {
-        let sides = rails(s).ok_or_else(|| format!("{file}: panel {} has no two rails; {help}", s.name))?;
-        Ok(Sides { name: s.name.clone(), sides: sides.map(|c| sampled(&c, count(record))) })
+        let (name, uncertified) = untitled(&s.name);
+        let [a, b] = rails(s).ok_or_else(|| format!("{file}: panel {name} has no two rails; {help}"))?;
+        taken.uncertified.extend(uncertified.then(|| name.to_owned()));
+        let face = Strip::between(name, PanelKind::Torse, &a, &b).ok().map(|s| Face::untrimmed(s.patch));
+        Ok(Sides { name: name.into(), sides: [a, b].map(|c| sampled(&c, count(record))), face })
     };
     all.iter().filter(wanted).map(made).collect()
 }
 
-/// Both rails of a strip as its file holds them, homogeneous.
-fn rails(s: &WrittenStrip) -> Option<[Curve<4>; 2]> {
-    match &s.surface {
-        WrittenBase::Spline(surface) => {
-            let [u, v] = &surface.knots;
-            if v.degree() != 1 || v.control_count() != 2 || surface.points.len() != 2 * u.control_count() {
-                return None;
-            }
-            let weight = |k: usize| surface.weights.get(k).copied().unwrap_or(1.0);
-            let side = |j: usize| {
-                let at = |i: usize| {
-                    let ([x, y, z], w) = (surface.points[2 * i + j], weight(2 * i + j));
-                    [x * w, y * w, z * w, w]
-                };
-                Curve { knots: u.clone(), control: (0..u.control_count()).map(at).collect() }
-            };
-            Some([side(0), side(1)])
-        }
-        // A plane has its rails as edges: the first, and the one before the last, which runs back.
-        WrittenBase::Plane { .. } => {
-            let along = |k: usize| match &s.sides.get(k)?.course {
-                WrittenCourse::Spline { curve, weights } => {
-                    let weight = |i: usize| weights.get(i).copied().unwrap_or(1.0);
-                    let lifted = curve.control.iter().enumerate().map(|(i, p)| {
-                        let w = weight(i);
-                        [p[0] * w, p[1] * w, p[2] * w, w]
-                    });
-                    Some(Curve { knots: curve.knots.clone(), control: lifted.collect() })
-                }
-                WrittenCourse::Line { .. } => {
-                    let [p, q] = s.sides[k].vertices;
-                    let ends = [p, q].map(|p| [p[0], p[1], p[2], 1.0]);
-                    Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], ends.to_vec()).ok()
-                }
-                WrittenCourse::Circle { .. } => None,
-            };
-            if s.sides.len() == 3 {
-                // A triangle: its second rail is a point.
-                let first = along(0)?;
-                let tip = s.sides[1].vertices[if s.sides[1].forward { 1 } else { 0 }];
-                let point = [tip[0], tip[1], tip[2], 1.0];
-                let second = Curve { control: vec![point; first.control.len()], knots: first.knots.clone() };
-                return Some([first, second]);
-            }
-            Some([along(0)?, along(2)?])
-        }
-        _ => None,
-    }
-}
-
-/// Places of a homogeneous curve at equal shares of its parameters.
-fn sampled(c: &Curve<4>, count: usize) -> Vec<[f64; 3]> {
-    let (a, b) = c.domain();
-    let at = |k: usize| {
-        let h = c.point(a + (b - a) * k as f64 / count as f64);
-        [h[0] / h[3], h[1] / h[3], h[2] / h[3]]
-    };
-    (0..=count).map(at).collect()
-}
-
-/// The rails of a loft from their files; `unit` (mm) is that of files that do not say theirs.
-fn rails_of(
-    files: &[String; 2],
-    unit: f64,
-    load: &dyn Fn(&str) -> Result<Vec<u8>, String>,
-) -> Result<[Rail; 2], String> {
-    let rail = |text: &String| {
-        let (file, select) = text.rsplit_once('#').unwrap_or((text, ""));
-        let options = CurveOptions { name: text.clone(), select: select.into(), unit: Some(unit), polyline: false };
-        let bytes = load(file)?;
-        // A unit of the file's own must not be contradicted.
-        let given = curves::read(&bytes, &CurveOptions { unit: None, ..options.clone() });
-        let read = match given {
-            Err(curves::CurveError::NoUnit(_)) => curves::read(&bytes, &options),
-            other => other,
-        };
-        read.map(|r| r.0).map_err(|e| e.to_string())
-    };
-    Ok([rail(&files[0])?, rail(&files[1])?])
-}
-
-/// The strips of a loft, one after the other.
-fn lofted([a, b]: &[Rail; 2], record: &FromRecord, tolerance: f64, index: usize) -> Result<Vec<Sides>, String> {
+/// The strips of a loft, one after the other. What it covers of its rails is told as `loft` tells it.
+fn lofted(
+    [a, b]: &[Rail; 2],
+    record: &FromRecord,
+    tolerance: f64,
+    index: usize,
+    taken: &mut Taken,
+) -> Result<Vec<Sides>, String> {
     // Fans at the ends have a side that is a point, on which nobody can pull.
     let options = loft::Options { ends: loft::Ends::Trim, ..loft::Options::new(tolerance) };
     let made = loft::loft(a, b, &options, &Control::default()).map_err(|e| e.to_string())?;
     let of = |(k, strip): (usize, &Strip)| {
         let name = format!("L{}-{}", index + 1, k + 1);
-        Sides { name, sides: [0, 1].map(|side: usize| sampled(&strip.rail(side), count(record))) }
+        let sides = [0, 1].map(|side: usize| sampled(&strip.rail(side), count(record)));
+        Sides { name, sides, face: Some(Face::untrimmed(strip.patch.clone())) }
     };
-    Ok(made.strips().enumerate().map(of).collect())
+    let sides: Vec<Sides> = made.strips().enumerate().map(of).collect();
+    let (part, rest): (Vec<Claim>, Vec<Claim>) = made.claims.into_iter().partition(|c| c.what() == What::InPart);
+    if Status::of(&rest) != Status::Certified {
+        taken.uncertified.extend(sides.iter().map(|s| s.name.clone()));
+    }
+    taken.against.extend(part);
+    taken.notes.extend(made.notes.into_iter().filter(|n| matches!(n, Note::Loft(LoftNote::Ends(_)))));
+    Ok(sides)
 }
 
 impl Given {

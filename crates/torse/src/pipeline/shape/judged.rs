@@ -1,5 +1,6 @@
 //! The result of a shape: judged, laid flat, put together.
 
+use super::apart::{curves_moved, from_taken};
 use super::joined::joins;
 use super::moved::Moved;
 use super::options::ShapeError;
@@ -30,19 +31,36 @@ const GUIDE_POINTS: usize = 200;
 /// Stations per ruled strip where its twist is measured for colours.
 const STATIONS: usize = 64;
 
-/// How far (mm) handles and lengths are from what they ask for, with their names and whether they may give way.
-fn off(session: &Session) -> Vec<(Item, f64, bool)> {
+/// How far a condition is from being met.
+struct Off {
+    item: Item,
+    /// How far, mm.
+    far: f64,
+    /// Whether it may give way.
+    gives_way: bool,
+    /// Whether a curve runs against the direction that it is held to.
+    backwards: bool,
+}
+
+/// How far handles and lengths are from what they ask for.
+fn off(session: &Session) -> Vec<Off> {
     let mut out = Vec::new();
     for (k, h) in session.composite().handles.iter().enumerate() {
         let Some(curve) = session.composite().curve(&h.place.curve).and_then(|c| session.curve(c)) else { continue };
         let [p, d, _] = curve.jet(h.place.u).map(Vec3::from);
+        let mut backwards = false;
         let far = match h.hold {
             Hold::Point(target) => (p - target).norm(),
             Hold::Plane { point, normal } => normal.normalize().dot(&(p - point)).abs(),
             // Over the length of the control polygon's side there, a direction is off by so much.
-            Hold::Tangent(t) => d.cross(&t.normalize()).norm() / curve.knots.degree() as f64,
+            Hold::Tangent(t) => {
+                backwards = d.dot(&t) < 0.0;
+                let off = if backwards { 2.0 * d.norm() } else { d.cross(&t.normalize()).norm() };
+                off / curve.knots.degree() as f64
+            }
         };
-        out.push((Item::Handle(k, h.place.curve.clone()), far, h.strength != Strength::Exact));
+        let item = Item::Handle(k, h.place.curve.clone());
+        out.push(Off { item, far, gives_way: h.strength != Strength::Exact, backwards });
     }
     for (k, l) in session.composite().lengths.iter().enumerate() {
         let place = |p: &Place| {
@@ -50,9 +68,25 @@ fn off(session: &Session) -> Vec<(Item, f64, bool)> {
             Some(Vec3::from(curve.point(p.u)))
         };
         let [Some(a), Some(b)] = l.between.each_ref().map(place) else { continue };
-        out.push((Item::Length(k), ((b - a).norm() - l.length).abs(), false));
+        let far = ((b - a).norm() - l.length).abs();
+        out.push(Off { item: Item::Length(k), far, gives_way: false, backwards: false });
     }
     out
+}
+
+/// What is said of conditions that are not met within the tolerance (mm): notes on those that may give way, and what stands
+/// against the status.
+fn unmet(session: &Session, tolerance: f64) -> (Vec<Note>, Vec<Reason>) {
+    let (mut notes, mut missing) = (Vec::new(), Vec::new());
+    for Off { item, far, gives_way, backwards } in off(session) {
+        match (gives_way, backwards) {
+            _ if far <= tolerance => {}
+            (true, _) => notes.push(Note::GaveWay { handle: item, off: far }),
+            (false, true) => missing.push(JobReason::Backwards(item).into()),
+            (false, false) => missing.push(JobReason::Off(item, far).into()),
+        }
+    }
+    (notes, missing)
 }
 
 /// A strip as the judge takes it, with the fixed curves that it must keep.
@@ -145,13 +179,9 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     }
     let mut missing = judgement.missing.clone();
     missing.append(&mut missing_moves);
-    for (what, off, gives_way) in off(session).into_iter().filter(|h| h.1.is_nan() || h.1 > options.tolerance) {
-        if gives_way {
-            notes.push(Note::GaveWay { handle: what, off });
-        } else {
-            missing.push(JobReason::Off(what, off).into());
-        }
-    }
+    let (gave_way, unmet) = unmet(session, options.tolerance);
+    notes.extend(gave_way);
+    missing.extend(unmet);
     let fields = fields(&all, &judgement);
     let mut meaning = judgement.meaning.clone();
     meaning.limit = fields.iter().flat_map(|f| &f.values).fold(meaning.limit, |m, x| m.max(*x));
@@ -162,6 +192,9 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     let (near, told) = targets(&strips, asked, control);
     notes.extend(told);
     claims.extend(near);
+    claims.extend(asked.taken.against.iter().cloned());
+    claims.extend(from_taken(&strips, session, asked, control));
+    claims.extend(curves_moved(session, asked));
     let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let laid = laid(&strips, &chains(composite, &strips), &flat, options.tolerance);
     notes.extend(laid.crowded.iter().copied().map(Note::Crowded));

@@ -1,6 +1,6 @@
 //! The moves of a job, step by step.
 
-use super::composite::{between, held};
+use super::composite::{between, held, opposite};
 use super::options::ShapeError;
 use crate::answer::note::Note;
 use crate::answer::Stage;
@@ -24,7 +24,7 @@ pub(super) struct Moved {
 
 impl Moved {
     /// Keeps the shape as a stage of the animation.
-    fn stage(&mut self, session: &Session, caption: String) -> Result<(), ShapeError> {
+    pub fn stage(&mut self, session: &Session, caption: String) -> Result<(), ShapeError> {
         let mut strips = session.strips()?;
         strips.extend(session.facets()?);
         self.stages.push(Stage { caption, strips });
@@ -49,6 +49,9 @@ pub(super) fn moved(
         let from = session.composite().handles.get(m.handle).map(|h| h.hold);
         let to = held(m.point, m.tangent, m.plane);
         let (Some(from), Some(to)) = (from, to) else { continue };
+        if opposite(&from, &to) {
+            return Err(ShapeError::Opposite { index });
+        }
         let mut told = false;
         for k in 1..=m.steps {
             if control.stopped() {

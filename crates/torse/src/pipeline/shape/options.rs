@@ -82,6 +82,15 @@ pub enum ShapeError {
         /// Why.
         source: CompositeError,
     },
+    /// A move from one direction to the opposite one.
+    #[error(
+        "$.moves[{index}]: the tangent is to turn to the opposite direction, and there is no telling which way round; make it \
+         two moves, the first to a direction between them"
+    )]
+    Opposite {
+        /// Its index.
+        index: usize,
+    },
     /// A strip without a spline.
     #[error("a strip could not be made: {0}")]
     Spline(#[from] SplineError),

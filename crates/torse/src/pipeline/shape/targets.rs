@@ -1,5 +1,6 @@
 //! What is proven of the distance between strips and their targets.
 
+use super::given::Taken;
 use super::goal::Goal;
 use super::options::Options;
 use crate::answer::note::Note;
@@ -14,6 +15,10 @@ use crate::torse::strip::Strip;
 pub(super) struct Asked<'a> {
     pub records: &'a [TargetRecord],
     pub goals: &'a [Goal],
+    /// Number of curves that the job gives itself: the first ones.
+    pub own: usize,
+    /// What was taken over.
+    pub taken: &'a Taken,
     pub options: &'a Options,
 }
 

@@ -40,8 +40,13 @@ fn a_job_is_certified_and_has_its_files() {
     let files = crate::files(&mut answer, "2026-01-31T12:00:00").expect("files");
     assert!(files.iter().any(|(name, bytes)| name == "panels.step" && bytes.len() > 1000));
     assert_eq!(answer.status(), Certified::Certified);
-    // The first shape and four steps, as an animation and as pictures.
-    assert_eq!(answer.stages.len(), 5);
+    // The first shape, four steps and the result, as an animation and as pictures.
+    assert_eq!(answer.stages.len(), 6);
+    let last = answer.stages[5].strips[0].ruling(0.3)[0];
+    assert_eq!(last, answer.patchwork.panels[0].strip.ruling(0.3)[0], "the last stage is the result");
+    assert!(
+        answer.claim(What::CurvesMoved).expect("a figure").value() > 50.0 && answer.claim(What::FromTaken).is_none()
+    );
     let glb = &files.iter().find(|f| f.0 == "moves.glb").expect("an animation").1;
     let text = String::from_utf8_lossy(glb);
     assert!(text.contains("\"name\":\"moves\"") && text.contains("\"targets\"") && text.contains("A-01"));
@@ -55,6 +60,22 @@ fn a_job_is_certified_and_has_its_files() {
     assert_eq!(again.status(), Certified::Certified, "{:?} {:?}", broken(&again), again.notes);
     let p = again.patchwork.panels[0].strip.ruling(0.5)[0];
     assert!((p - Vec3::new(470.0, -40.0, 130.0)).norm() < 1e-3, "{p}");
+    // How far that is from what was taken over: at least as far as the handle pulled, and proven.
+    let apart = again.claim(What::FromTaken).expect("a figure");
+    assert!(apart.evidence() == Evidence::Proven && apart.value() > 2.0 && apart.value() < 100.0, "{apart:?}");
+    let strip = &answer.patchwork.panels[0].strip;
+    let places: Vec<Vec3> = (0..=20).flat_map(|k| strip.ruling(f64::from(k) / 20.0)).collect();
+    let seen =
+        crate::certify::points::points(&again.strips().cloned().collect::<Vec<_>>(), &places, &Control::default());
+    let seen = seen.worst_bound().value();
+    assert!(apart.value() >= seen - 1e-6, "{apart:?} {seen}");
+    assert!(!again.notes.iter().any(|n| matches!(n, Note::TakenUncertified { .. })));
+    // What the file says of a certificate is no part of a name.
+    let marked = String::from_utf8(panels.clone()).expect("text").replace("'A-01'", "'A-01 NOT CERTIFIED'");
+    let load_marked = |_: &str| Ok(marked.clone().into_bytes());
+    let taken = run_with(next, &load_marked).expect("an answer");
+    assert_eq!((&taken.patchwork.panels[0].strip.name[..], taken.status()), ("A-01", Certified::Certified));
+    assert!(taken.notes.contains(&Note::TakenUncertified { names: vec!["A-01".into()] }), "{:?}", taken.notes);
     let wrong = run_with(&next.replace("\"spans\"", "\"names\": [\"B\"], \"spans\""), &load).expect_err("no B");
     assert_eq!(wrong.to_string(), "$.from[0]: first/panels.step has no panel 'B'; it has A-01");
     assert!(run(next).expect_err("no file").to_string().starts_with("$.from[0]: first/panels.step is not there"));
@@ -140,9 +161,49 @@ fn a_loft_is_where_one_begins() {
     let job = r#"{ "unit": "mm", "from": [ { "loft": ["low.csv", "high.csv"], "spans": 8 } ] }"#;
     let answer = run_with(job, &load).expect("an answer");
     assert!(answer.patchwork.panels.iter().all(|p| p.strip.name.starts_with("L1-")));
-    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
+    // Rulings do not reach both rails all along them: that is told as the loft tells it.
+    let told = broken(&answer);
+    assert!(told.len() == 1 && told[0].starts_with("certified in part: 71."), "{told:?} {:?}", answer.notes);
     let wrong = run_with(&job.replace("high.csv", "none.csv"), &load).expect_err("no file");
     assert_eq!(wrong.to_string(), "$.from[0]: another");
+}
+
+#[test]
+fn what_a_loft_leaves_out_of_its_rails_is_told_and_is_no_certificate() {
+    // A cylinder; the second rail goes on where the first one ends.
+    let rail = |to: u32, y: f64| {
+        let place = |k: u32| {
+            let (s, c) = (0.01 * f64::from(k)).sin_cos();
+            format!("{},{y},{}\n", 500.0 * s, 500.0 * c)
+        };
+        (0..=to).map(place).collect::<String>()
+    };
+    let load = |name: &str| {
+        Ok(format!("x,y,z\n{}", if name == "a.csv" { rail(60, 0.0) } else { rail(100, 200.0) }).into_bytes())
+    };
+    let job = r#"{ "unit": "mm", "from": [ { "loft": ["a.csv", "b.csv"] } ] }"#;
+    let answer = run_with(job, &load).expect("an answer");
+    let told = broken(&answer);
+    assert_eq!(answer.status(), Certified::Uncertified, "{told:?}");
+    assert!(told.iter().any(|t| t.starts_with("certified in part: ") && t.contains("b.csv")), "{told:?}");
+}
+
+#[test]
+fn a_curve_that_runs_against_its_direction_is_not_certified() {
+    let handle = |x: f64| {
+        let held = format!(r#"{{ "curve": "low", "u": 1, "tangent": [{x}, 0.1, 0] }} ],"#);
+        JOB.replace(r#"{ "curve": "low", "u": 0.5, "point": [470, -20, 60] } ],"#, &held)
+            .replace(r#""moves": [ { "handle": 4, "point": [470, -40, 120], "steps": 4 } ]"#, r#""moves": []"#)
+    };
+    let along = run(&handle(1.0)).expect("an answer");
+    assert_eq!(along.status(), Certified::Certified, "{:?} {:?}", broken(&along), along.notes);
+    let against = run(&handle(-1.0).replace("0.1, 0]", "-0.1, 0]")).expect("an answer");
+    let told = broken(&against);
+    assert!(told.iter().any(|t| t.contains("the curve runs the other way there")), "{told:?}");
+    // Nobody knows which way round it should turn.
+    let moves = r#""moves": [ { "handle": 4, "tangent": [-10, -1, 0] } ]"#;
+    let told = run(&handle(1.0).replace(r#""moves": []"#, moves)).expect_err("no way").to_string();
+    assert!(told.starts_with("$.moves[0]: the tangent is to turn to the opposite direction"), "{told}");
 }
 
 /// Three ruled arms about a planar triangle.

@@ -26,6 +26,14 @@ pub(super) fn words(note: &FitNote) -> String {
             length(between.off_estimate),
             between.places
         ),
+        FitNote::Unused { count } => format!(
+            "{count} points of the mesh are corners of none of its triangles; they are left out, and nothing is said of them."
+        ),
+        FitNote::Shortened { count, by, of } => format!(
+            "Of the planes left out {count} stand at the ends of the row: the strips end before them, by {} of its {}.",
+            length(*by),
+            length(*of)
+        ),
         FitNote::Face(note) => face(note),
         FitNote::At(what) => format!("Distances are proven at the {}, not between them.", counted_name(*what)),
     }

@@ -143,6 +143,7 @@ pub fn note(note: &Note) -> String {
         Note::GaveWay { handle, off } => {
             format!("{} gave way: it is {} from where it pulls to", item_name(handle), length(*off))
         },
+        Note::TakenUncertified { names } => uncertified(names),
         Note::RuledStrips { count } => {
             format!("{} not developable: no flat patterns of them", match count {
                 1 => "one strip is ruled,".to_owned(),
@@ -168,6 +169,15 @@ pub fn note(note: &Note) -> String {
         Note::Shop(note) => shop::words(note),
         Note::Fit(note) => fit::words(note),
     }
+}
+
+/// What is said of strips that come from others without a certificate.
+fn uncertified(names: &[String]) -> String {
+    let them = if names.len() == 1 { "it" } else { "them" };
+    format!(
+        "{} had no certificate where taken from; all that is said here is said of the strips made of {them}",
+        names.join(", ")
+    )
 }
 
 /// A proven bound with its unit, or that there is none.

@@ -183,6 +183,12 @@ pub(super) fn of_job(reason: &JobReason) -> String {
             one(*sort),
             length(*away)
         ),
+        JobReason::Turned { index, angle: by, limit } => format!(
+            "the tangent plane given with ruling {index} is up to {} from that of the strip, where {} are allowed; mend the \
+             normals, or leave out nx, ny, nz: tangent planes are found from the rulings then",
+            angle_bound(*by),
+            angle(*limit)
+        ),
         JobReason::Bare(share, at) => format!(
             "{} of the places on the mesh have no strip near them, for example around {}",
             percent(*share),
@@ -200,6 +206,10 @@ pub(super) fn of_job(reason: &JobReason) -> String {
         JobReason::Off(item, off) => {
             format!("{} is {} from what it should be; hold less, or move it in steps", name(item), length(*off))
         }
+        JobReason::Backwards(item) => format!(
+            "{}: the curve runs the other way there; turn the direction round, or begin with a curve that runs along it",
+            name(item)
+        ),
         JobReason::NothingAsked => {
             "nothing is asked of the ruled strips that could be proven: join them, or give a target".into()
         }
