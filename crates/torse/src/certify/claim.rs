@@ -133,6 +133,8 @@ pub enum What {
     ElementDistance,
     /// Angle between the plane given with a ruling and the tangent plane of its strip, degrees.
     ElementAngle,
+    /// How far rulings of strips go on beyond the ends of given ones, mm.
+    BeyondRulings,
     /// Two-sided distance of strips from those that they were made of, mm.
     FromTaken,
     /// Distance of curves from what they were given as, mm.

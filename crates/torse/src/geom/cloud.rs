@@ -13,9 +13,10 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// The mesh without points that no triangle uses, and how many these were; without triangles all points count.
+    /// The mesh without points that no triangle uses, and how many points these are; without triangles all points count.
     ///
     /// Programs that cut holes into meshes leave the corners of what they delete in their files: nothing was measured there.
+    /// Where most points are in no triangle, what is given are the points, and they stay.
     pub fn used(&self) -> (Cow<'_, Self>, usize) {
         let mut used = vec![self.triangles.is_empty(); self.points.len()];
         for &k in self.triangles.iter().flatten() {
@@ -24,8 +25,8 @@ impl Cloud {
             }
         }
         let unused = used.iter().filter(|u| !**u).count();
-        if unused == 0 {
-            return (Cow::Borrowed(self), 0);
+        if unused == 0 || 2 * unused > self.points.len() {
+            return (Cow::Borrowed(self), unused);
         }
         let mut number = 0;
         let numbers: Vec<u32> = used
@@ -57,5 +58,8 @@ mod tests {
         assert_eq!((used.points.len(), unused), (4, 2));
         assert_eq!(used.triangles, [[0, 1, 3], [3, 1, 2]]);
         assert_eq!(used.points[3], mesh.points[5]);
+        // Points with a triangle or two among them are points.
+        let scan = Cloud { triangles: vec![[1, 2, 1]], ..mesh };
+        assert_eq!((scan.used().0.points.len(), scan.used().1), (6, 4));
     }
 }

@@ -68,13 +68,14 @@ pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Contro
         };
         run(vec![Row { name: what.to_string(), estimates, face: None }], Vec::new(), sort, options, control)
     };
-    let all = fitted(given)?;
+    let all = fitted(given);
     // What one strip follows has no outliers.
-    if !options.robust || (all.status() == Status::Certified && all.patchwork.panels.len() == 1) {
-        return Ok(all);
+    let one = |a: &Answer| a.status() == Status::Certified && a.patchwork.panels.len() == 1;
+    if !options.robust || all.as_ref().is_ok_and(one) {
+        return all;
     }
     let (kept, mut out) = agreeing(given, options.tolerance);
-    let mut answer = if out.is_empty() { all } else { fitted(&kept)? };
+    let mut answer = if out.is_empty() { all? } else { fitted(&kept)? };
     let mut left = bounds(&answer, &out, control);
     // What lies within the tolerance of the strips all the same is taken in, as long as that does no harm.
     while left.iter().any(|away| *away <= options.tolerance) {

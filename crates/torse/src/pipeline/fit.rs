@@ -24,6 +24,7 @@ use crate::search::strips::scan_outline::{claims_of_ends, outlined, Ended, Follo
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 pub use options::FitOptions;
+use std::borrow::Cow;
 
 mod options;
 #[cfg(test)]
@@ -34,7 +35,7 @@ mod tests;
 /// *Input*: finite points in mm, at least 30, not in a line; no order, no normals needed. Of a coarse mesh (see
 /// `fit::cloud::facets`) points between its corners guide the fit; judged are the corners, and a part of the
 /// mesh without strip is an objection.
-/// Points that no triangle of a mesh uses are left out.
+/// Points that no triangle of a mesh uses are left out, unless they are most of the points.
 /// *Result*: certified if every point is proven to lie within the tolerance; otherwise the points that are not are
 /// counted and the worst is named. Strips cover what was measured and are not joined to each other.
 ///
@@ -52,8 +53,9 @@ mod tests;
 /// ```
 pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Answer, CloudError> {
     let clock = std::time::Instant::now();
-    let (cloud, unused) = cloud.used();
-    let cloud = cloud.as_ref();
+    let (used, unused) = cloud.used();
+    let unused = FitNote::Unused { count: unused, kept: matches!(used, Cow::Borrowed(_)) };
+    let cloud = used.as_ref();
     checked(cloud, options)?;
     // 1. Strips under the points, with their proof.
     let wanted = ScanOptions {
@@ -130,10 +132,10 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
 }
 
 /// Notes on outlines, on several strips, and on points that are left out or lie apart.
-fn told(ends: FitNote, strips: &[Strip], unused: usize, lonely: usize) -> Vec<Note> {
+fn told(ends: FitNote, strips: &[Strip], unused: FitNote, lonely: usize) -> Vec<Note> {
     let mut notes = vec![Note::Fit(ends)];
     notes.extend((strips.len() > 1).then_some(Note::Unjoined));
-    notes.extend((unused > 0).then_some(Note::Fit(FitNote::Unused { count: unused })));
+    notes.extend((!matches!(unused, FitNote::Unused { count: 0, .. })).then_some(Note::Fit(unused)));
     notes.extend((lonely > 0).then_some(Note::Fit(FitNote::Lonely { count: lonely })));
     notes
 }

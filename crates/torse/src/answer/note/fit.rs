@@ -33,10 +33,12 @@ pub enum FitNote {
     },
     /// A face that was to become simpler.
     Face(FaceNote),
-    /// Points of a mesh that none of its triangles uses: they are left out.
+    /// Points of a mesh that none of its triangles uses: they are left out, unless they are most of the points.
     Unused {
         /// How many.
         count: usize,
+        /// Whether they count all the same.
+        kept: bool,
     },
     /// Planes at the ends of their row are left out as outliers: the strips end before them.
     Shortened {

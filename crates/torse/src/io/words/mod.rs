@@ -28,6 +28,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::MeanPointDistance => "root mean square distance".into(),
         What::ElementDistance => "largest distance".into(),
         What::ElementAngle => "largest angle between given and fitted tangent planes".into(),
+        What::BeyondRulings => "reach of the strips beyond the ends of what is given".into(),
         What::FromTaken => "distance of the strips from those taken over, both ways".into(),
         What::CurvesMoved => "distance of the curves from those given".into(),
         What::TargetDistance(k) => format!("from target {k}"),
@@ -113,6 +114,7 @@ pub fn id(what: What) -> &'static str {
         What::MeanPointDistance => "mean_point_distance",
         What::ElementDistance => "element_distance",
         What::ElementAngle => "element_angle",
+        What::BeyondRulings => "beyond_rulings",
         What::FromTaken => "from_taken",
         What::CurvesMoved => "curves_moved",
         What::TargetDistance(_) => "target_distance",
@@ -196,6 +198,7 @@ pub fn unit(what: What) -> &'static str {
         | What::PointDistance
         | What::MeanPointDistance
         | What::ElementDistance
+        | What::BeyondRulings
         | What::FromTaken
         | What::CurvesMoved
         | What::TargetDistance(_)

@@ -10,6 +10,7 @@ use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::{self, JobReason, Reason};
@@ -108,6 +109,7 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         let claim = Claim::at_most(What::ElementAngle, whole, turn.degrees());
         claim.within(options.plane_angle.to_degrees()).because(Reason::from(reason))
     }));
+    claims.extend(beyond_rulings(&strips, &all, &certificate));
     if control.stopped() {
         claims.push(Claim::objection(whole, JobReason::NotAllJudged(sort.given())));
     }
@@ -132,6 +134,20 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         patchwork: Patchwork::of_strips(strips),
         ..Answer::of_flat(Job::Fit, &options.input, options.tolerance, laid)
     }
+}
+
+/// How far strips go on beyond the ends of given rulings: their rails are simple curves around all of these. Measured on the
+/// rulings of the strips that are nearest to the middles of the given ones; nothing where no rulings are given.
+fn beyond_rulings(strips: &[Strip], all: &[ContactElement], c: &ElementCertificate) -> Option<Claim> {
+    let beyond = |(e, (k, u)): (&ContactElement, &(u32, f64))| {
+        let d = e.ends[1] - e.ends[0];
+        let on = |p: &Vec3| e.ends[0] + d * ((p - e.ends[0]).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
+        let ends = strips.get(*k as usize).filter(|_| e.has_ruling())?.ruling(*u);
+        ends.iter().map(|p| (p - on(p)).norm()).reduce(f64::max)
+    };
+    let known = all.iter().zip(c.places()).zip(c.bounds()).filter(|(_, bound)| bound.is_finite());
+    let far = known.filter_map(|(known, _)| beyond(known)).reduce(f64::max)?;
+    Some(Claim::measured(What::BeyondRulings, Subject::Whole, far))
 }
 
 fn claims_of_strips(strips: &[Strip], c: &ElementCertificate) -> Vec<Claim> {

@@ -60,6 +60,9 @@ fn tangent_planes_given_with_rulings_are_judged() {
     let one = fitted(cone(&|k| if k == 15 { 1.5 } else { 0.0 }), false);
     let told = words::reason(&one.claims, &[]);
     assert!(one.status() == Status::Uncertified && told.contains("tangent plane given with ruling 15"), "{told}");
+    // Rails of strips are simple: how far these go on beyond the rulings is told.
+    let reach = right.claim(What::BeyondRulings).expect("a figure").value();
+    assert!((0.0..100.0).contains(&reach), "{reach}");
     // Planes that are found from rulings are no data.
     let rulings = Given::Rulings((0..40).map(|k| element(k as f64 / 39.0, 0.0).ends).collect());
     let found = fit_elements(&rulings, &ElementFitOptions::new(0.2, "cone"), &Control::default()).expect("an answer");

@@ -26,9 +26,12 @@ pub(super) fn words(note: &FitNote) -> String {
             length(between.off_estimate),
             between.places
         ),
-        FitNote::Unused { count } => format!(
+        FitNote::Unused { count, kept: false } => format!(
             "{count} points of the mesh are corners of none of its triangles; they are left out, and nothing is said of them."
         ),
+        FitNote::Unused { count, kept: true } => {
+            format!("{count} points, most of all, are corners of no triangle; they count as measured, like the others.")
+        }
         FitNote::Shortened { count, by, of } => format!(
             "Of the planes left out {count} stand at the ends of the row: the strips end before them, by {} of its {}.",
             length(*by),
