@@ -1,4 +1,4 @@
-//! Runs of rulings between two rails.
+//! Runs of rulings between two rails with coplanar tangents \[W15, 4B\].
 
 use super::track::Track;
 

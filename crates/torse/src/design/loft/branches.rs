@@ -455,7 +455,8 @@ mod tests {
     #[test]
     fn a_star_and_its_copy_are_followed_all_the_way_round() {
         let corner = |k: u32, z: f64| {
-            let (r, t) = (if k % 2 == 0 { 50.0 } else { 25.0 }, f64::from(k % 10) * 0.2 * std::f64::consts::PI);
+            let (r, t) =
+                (if k.is_multiple_of(2) { 50.0 } else { 25.0 }, f64::from(k % 10) * 0.2 * std::f64::consts::PI);
             Vec3::new(r * t.cos(), r * t.sin(), z)
         };
         let star =
