@@ -92,11 +92,12 @@ const ONE_LENGTH: f64 = 1e-4;
 /// `tolerance` (mm).
 pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>, tolerance: f64) -> Vec<SheetBend> {
     let mut out: Vec<SheetBend> = Vec::new();
+    let near = (CHORD * tolerance).max(CURVED * ONE_LINE * body.size);
     for placed in &piece.faces {
         if matches!(body.carriers[placed.face], Carrier::Plane(_)) {
             continue;
         }
-        let bend = of_face(body, piece, placed, (thickness, facets));
+        let bend = of_face(body, piece, placed, (thickness, facets), near);
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
             Some(b) => {
                 b.lines.extend(bend.lines);
@@ -109,7 +110,6 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>,
     }
     for fold in &piece.folds {
         let (h, twin) = (fold.half, body.halves[fold.half].twin.unwrap_or(fold.half));
-        let near = (CHORD * tolerance).max(CURVED * ONE_LINE * body.size);
         let lines = chords(&|s| (piece.place(body, h, s) + piece.place(body, twin, 1.0 - s)) * 0.5, near);
         let level = [h, twin].iter().filter_map(|h| piece.placed(body.halves[*h].face)).map(|p| p.level).max();
         let sense = if fold.meeting.convex { BendSense::Down } else { BendSense::Up };
@@ -198,7 +198,14 @@ fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
     alike && a.kind != BendKind::Rolled && m.iter().all(|p| way.perp(&(p - l[0])).abs() <= tolerance)
 }
 
-fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f64, Option<Facets>)) -> SheetBend {
+/// The bend that a face is; `near` as of [`chords`].
+fn of_face(
+    body: &Body,
+    piece: &Piece,
+    placed: &Placed,
+    (thickness, facets): (f64, Option<Facets>),
+    near: f64,
+) -> SheetBend {
     let turn = placed.chart.turn();
     let cylinder = matches!(body.carriers[placed.face], Carrier::Cylinder { .. });
     let between = body.of_face(placed.face).filter(|h| piece.inner.contains(h) && is_plane(body, *h)).count();
@@ -224,7 +231,7 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
     });
     let least_inside_radius = if cylinder { inside_radius } else { least.fold(f64::INFINITY, f64::min) };
     let extents = body.of_face(placed.face).filter(|h| piece.inner.contains(h));
-    let extents = extents.map(|h| [piece.place(body, h, 0.0), piece.place(body, h, 1.0)]).collect();
+    let extents = extents.flat_map(|h| chords(&|s| piece.place(body, h, s), near)).collect();
     let allowance = if cylinder { turn * placed.chart.neutral_radius() } else { f64::NAN };
     let length = region.max.y - region.min.y;
     SheetBend {
