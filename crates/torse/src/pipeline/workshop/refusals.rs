@@ -6,8 +6,7 @@ use crate::certify::claim::{Claim, Subject};
 use crate::patchwork::pattern::Pattern;
 use crate::reason::JobReason;
 
-/// What stands against cutting parts: a thickness that the sheet has not, or that its bends
-/// have no room for.
+/// What stands against cutting parts: a thickness that the sheet has not, or that its bends have no room for.
 pub(super) fn refusals(answer: &Answer, options: &WorkshopOptions) -> Vec<Claim> {
     let Some(asked) = options.thickness else { return Vec::new() };
     // Where panels cover faces their certificate tells the inside radius.
