@@ -18,7 +18,7 @@ use torse::develop::unfold::allowance::KFactor;
 use torse::io::marks::{chosen, do_not_cut, FEW};
 use torse::io::words;
 use torse::pipeline::deliver;
-use torse::pipeline::workshop::{self, WorkshopOptions};
+use torse::pipeline::workshop::{self, WorkshopError, WorkshopOptions};
 use torse::search::cover::Limits;
 
 /// The folder that results will be in, and the terminal that tells of the job.
@@ -31,7 +31,9 @@ pub struct Job<'a> {
 
 impl<'a> Job<'a> {
     /// Prepares the folder and the terminal; `input` is the file that the job reads, `limit` the time that it may take.
+    /// Sheet has no thickness here but the one that is given.
     pub fn begin(files: &'a Files, input: &Path, limit: Option<Duration>) -> Result<Self, Failure> {
+        shop::fibre_in_sheet(&files.shop)?;
         let terminal = Rc::new(Terminal::new(files.quiet, limit)?);
         Self::within(files, input, &terminal)
     }
@@ -80,8 +82,13 @@ impl<'a> Job<'a> {
     pub fn deliver(&self, answer: &mut Answer) -> Result<(), Failure> {
         self.say("writing");
         answer.cut = self.files.cut();
-        workshop::prepare(answer, &self.shop)
-            .map_err(|e| Failure::new(e.to_string(), "'torse info' tells unit and size of the model"))?;
+        workshop::prepare(answer, &self.shop).map_err(|e| {
+            let help = match e {
+                WorkshopError::NoSheet => shop::OF_SHEET,
+                _ => "'torse info' tells unit and size of the model",
+            };
+            Failure::new(e.to_string(), help)
+        })?;
         self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))?)
     }
 

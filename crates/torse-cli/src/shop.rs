@@ -42,6 +42,17 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
     })
 }
 
+/// Refuses `--k` without a sheet in which it could lie.
+pub fn fibre_in_sheet(shop: &Shop) -> Result<(), Failure> {
+    if shop.k.is_none() || shop.thickness.is_some() {
+        return Ok(());
+    }
+    Err(Failure::new("--k says where in the sheet the neutral fibre lies, but no thickness is given", OF_SHEET))
+}
+
+/// What helps where a neutral fibre has no sheet to lie in.
+pub const OF_SHEET: &str = "add --thickness, or leave --k out for the flat pattern of the surface itself";
+
 /// What helps where `--k` is no number and no file.
 fn of_k() -> Failure {
     Failure::new("", "give a share such as --k 0.44, --k din, or a table of R/t and K")

@@ -22,7 +22,8 @@ pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
     if let Some(count) = arguments.split {
         return split(arguments, &bytes, count as usize);
     }
-    let job = Job::begin(&arguments.files, file, arguments.time_limit)?;
+    let terminal = Rc::new(Terminal::new(arguments.files.quiet, arguments.time_limit)?);
+    let job = Job::within(&arguments.files, file, &terminal)?;
     job.say("reading");
     let model = read(arguments, &bytes)?;
     drop(bytes);

@@ -101,6 +101,8 @@ fn what_cannot_be_meant_is_refused() {
     for (options, words) in [
         (&["unroll", "--tolerance", "0.05mm", "--k", "1.5"][..], "between 0 and 1"),
         (&["unroll", "--tolerance", "0.05mm", "--k", "0.4", "--surfaces"], "cannot be used with"),
+        (&["unroll", "--tolerance", "0.05mm", "--k", "0.4"], "add --thickness"),
+        (&["approximate", "--tolerance", "1mm", "--k", "0.4"], "add --thickness"),
         (&["unroll", "--tolerance", "0.05"], "no unit"),
         (&["unroll", "--tolerance", "0.05mm", "--face", "#999999"], "no face #999999"),
         (&["unroll", "--tolerance", "0.05mm", "--outer"], "constant thickness"),

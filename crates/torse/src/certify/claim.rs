@@ -47,10 +47,11 @@ impl UpperBound {
         Self((self.0 + other.0).next_up())
     }
 
-    /// A bound of an angle in rad as one in degrees.
+    /// A bound of an angle between two directions in rad as one in degrees.
     pub fn degrees(self) -> Self {
-        // No angle stays none.
-        Self(if self.0 > 0.0 { self.0.to_degrees().next_up() } else { 0.0 })
+        // No angle stays none, and none is larger than half a turn; what is not known stays so.
+        let degrees = if self.0 > 0.0 { self.0.to_degrees().next_up() } else { 0.0 };
+        Self(if degrees.is_finite() { degrees.min(180.0) } else { degrees })
     }
 
     /// A bound of the largest of several quantities; of none, nothing is known.

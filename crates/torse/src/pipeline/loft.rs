@@ -8,8 +8,9 @@ mod options;
 #[cfg(test)]
 mod tests;
 
-use crate::answer::note::LoftNote;
+use crate::answer::note::{LoftNote, Note};
 use crate::answer::Answer;
+use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::design::loft::alternatives::{alternatives, greatest_twist};
 use crate::design::loft::branches::{Branch, BranchType};
@@ -31,6 +32,8 @@ const RAIL_SHARE: f64 = 0.1;
 const TWIST_SHARE: f64 = 0.1;
 /// Least share of both rails that an exact branch must use to be chosen without being asked for.
 const ENOUGH: f64 = 0.5;
+/// Share of the tolerance within which rails count as in one plane.
+const FLAT_SHARE: f64 = 0.1;
 /// Alternatives that are listed; of least twist, also those that are looked for.
 const ALTERNATIVES: usize = 5;
 
@@ -118,7 +121,11 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
         strips
     };
     control.report("judging", 0.7, "");
-    Ok(judged([&rails, &given], strips, closed, options, notes, start))
+    let mut answer = judged([&rails, &given], strips, closed, options, notes, start);
+    if answer.status() != Status::Certified && Rail::in_one_plane(&given, FLAT_SHARE * tolerance) {
+        answer.notes.push(Note::Loft(LoftNote::OnePlane));
+    }
+    Ok(answer)
 }
 
 /// The best branches, as notes.

@@ -17,7 +17,7 @@ use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError
 use crate::design::loft::net_strip::strip;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::Vec3;
-use crate::reason::Reason;
+use crate::reason::{Reason, StripReason};
 use crate::spline::curve::Curve;
 use crate::torse::net::{Net, NetError, Shape, TaperedNet};
 use crate::torse::rail::Rail;
@@ -120,7 +120,7 @@ fn by_rulings(
         out.notes.push(NetNote::Asked { number: options.alternative });
         vec![(*one).clone()]
     } else {
-        tell_route(&found, good.len(), &mut out);
+        tell_route(&found, good.len(), size, &mut out);
         found.strips
     };
     if let (Some(first), Some(last)) = (chosen.first(), chosen.last()) {
@@ -147,12 +147,17 @@ fn tell_candidates(found: &Interpolation, size: f64, notes: &mut Vec<NetNote>) {
     }
 }
 
-/// Which answer was taken, and why.
-fn tell_route(found: &Interpolation, good: usize, out: &mut Nets) {
+/// Which answer was taken, and why; `size` (mm) is the width asked for.
+fn tell_route(found: &Interpolation, good: usize, size: f64, out: &mut Nets) {
     use interpolate::Status as Found;
     match &found.status {
         Found::Solved(route) => out.notes.push(NetNote::Route { route: *route, good }),
-        Found::Shortened(route) => out.notes.extend([NetNote::Route { route: *route, good }, NetNote::Narrower]),
+        Found::Shortened(route) => {
+            out.notes.push(NetNote::Route { route: *route, good });
+            let widths = found.strips.first().map(|s| (s.start_reach * size, size));
+            let narrower = widths.map(|(width, asked)| Claim::in_part(StripReason::Narrower { width, asked }));
+            out.claims.extend(narrower);
+        }
         Found::Unsolved(reasons) => out.missing.push(Reason::error(reasons.as_ref())),
     }
 }

@@ -80,6 +80,9 @@ pub fn shape(
         moved(&mut session, &job.moves, &mut out, control)?;
     }
     control.report("polishing", 0.6, "");
+    if !(session.composite().targets.is_empty() || session.composite().is_ruled()) {
+        session.approach(control);
+    }
     let polished = session.polish(POLISHED, control)?;
     out.notes.push(Note::Met { residual: polished.residual });
     let unmet = polished.residual.is_nan() || polished.residual * session.size() > options.tolerance;

@@ -61,10 +61,10 @@ pub fn sweep(
     Ok(rows)
 }
 
-/// Length of all seams of a result, each counted once, mm.
+/// Length of all seams of a result, common edges of faces included, each counted once, mm.
 pub fn seam_length(answer: &Answer) -> f64 {
     let runs = answer.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
-    let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. }));
+    let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. } | Border::Joint { .. }));
     let length = |r: &crate::patchwork::panel::Coedge| {
         let point = |s: f64| crate::geom::Vec3::from(r.edge.point(s));
         let spans = r.edge.knots.breaks();

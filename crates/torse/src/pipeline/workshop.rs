@@ -26,9 +26,8 @@ use crate::patchwork::pattern::Pattern;
 use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
 use crate::search::strips::cut::flat_area;
-pub(crate) use options::WorkshopError;
 use options::MOST_PLANES;
-pub use options::{Stations, WorkshopOptions};
+pub use options::{Stations, WorkshopError, WorkshopOptions};
 use rayon::prelude::*;
 
 /// Share of the tolerance to which changed outlines and marks are drawn.
@@ -45,6 +44,10 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         return Err(WorkshopError::Thickness(t));
     }
     options.k.as_ref().map_or(Ok(()), KFactor::check)?;
+    let has_sheet = options.thickness.is_some() || answer.sheets.iter().any(|s| s.thickness > 0.0);
+    if options.k.is_some() && !answer.parts.is_empty() && !has_sheet {
+        return Err(WorkshopError::NoSheet);
+    }
     let planes = planes(answer, &options.stations)?;
     answer.shop = Shop { material: options.material.clone(), thickness: options.thickness, ..Shop::default() };
     let sheet = options.sheet();

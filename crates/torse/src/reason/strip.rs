@@ -55,6 +55,13 @@ pub enum StripReason {
     },
     /// Rails, by name, are covered in part, or strips run past their ends.
     InPart(Vec<(String, Covered)>),
+    /// The strip is narrower than asked for: wider, it would meet its regression curve.
+    Narrower {
+        /// Length of the first ruling, mm.
+        width: f64,
+        /// That was asked for, mm.
+        asked: f64,
+    },
     /// Strips are twisted.
     Twist {
         /// Measured, rad.

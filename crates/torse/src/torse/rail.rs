@@ -347,6 +347,20 @@ impl Rail {
         BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal()
     }
 
+    /// Whether control points of rails lie within a distance (mm) of the plane through the largest triangle that is easily
+    /// found among them.
+    pub fn in_one_plane(rails: &[&Self], within: f64) -> bool {
+        let control = rails.iter().flat_map(|r| &r.pieces).flat_map(|c| &c.control);
+        let points: Vec<Vec3> = control.map(|p| Vec3::new(p[0], p[1], p[2]) / p[3]).collect();
+        let farthest = |from: &dyn Fn(&Vec3) -> f64| points.iter().max_by(|p, q| from(p).total_cmp(&from(q)));
+        let Some(first) = points.first() else { return true };
+        let Some(second) = farthest(&|p| (p - first).norm()) else { return true };
+        let line = second - first;
+        let Some(third) = farthest(&|p| line.cross(&(p - first)).norm()) else { return true };
+        let Some(normal) = line.cross(&(third - first)).try_normalize(0.0) else { return true };
+        points.iter().all(|p| normal.dot(&(p - first)).abs() <= within)
+    }
+
     /// The same rail run through backwards.
     pub fn reversed(&self) -> Self {
         let pieces = self.pieces.iter().rev().map(Curve::reversed).collect();
@@ -733,5 +747,15 @@ mod tests {
         assert_eq!(Rail::through("a", &[p, nan]), Err(RailError::NotFinite { rail: "a".into(), index: 1 }));
         let eight = [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
         assert!(matches!(Rail::polyline("a", &eight), Err(RailError::SelfIntersecting { .. })));
+    }
+
+    #[test]
+    fn rails_in_one_plane_are_told_from_others() {
+        let line = |p: [f64; 3], q: [f64; 3]| Rail::polyline("r", &[Vec3::from(p), Vec3::from(q)]).expect("rail");
+        let low = line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]);
+        let beside = line([0.0, 5.0, 1.0], [9.0, 5.0, 1.0]);
+        let askew = line([0.0, 5.0, 0.0], [9.0, 5.0, 1.0]);
+        assert!(Rail::in_one_plane(&[&low, &beside], 1e-9) && !Rail::in_one_plane(&[&low, &askew], 0.1));
+        assert!(Rail::in_one_plane(&[&low, &askew], 1.0) && Rail::in_one_plane(&[&low, &low], 1e-9));
     }
 }

@@ -16,6 +16,8 @@ pub enum LoftNote {
         /// Its length by that of the shorter.
         factor: f64,
     },
+    /// Both rails lie in one plane, where every plane that touches both is that plane, and there is nothing to follow.
+    OnePlane,
     /// A rail is run through backwards.
     Backwards {
         /// Its name.

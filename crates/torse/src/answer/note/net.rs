@@ -32,8 +32,6 @@ pub enum NetNote {
         /// Regular polynomial solutions that there are.
         good: usize,
     },
-    /// The strip is narrower than asked for, to keep off its regression curve.
-    Narrower,
     /// The strip runs over a stretch of the curve, or beyond its ends.
     Stretch {
         /// First and last parameter; those of the curve are 0 and 1.

@@ -162,6 +162,20 @@ impl Session {
         self.report(&outcome, &self.solver, &self.items)
     }
 
+    /// Brings strips as near to their targets as what is held and a trace of fairness allow; a solve leaves them where their
+    /// fading pull ended. Where the conditions are not met any more after that, nothing is changed.
+    pub fn approach(&mut self, control: &Control) -> Report {
+        let mut before = Kept::default();
+        self.solver.keep(&mut before);
+        let near = self.solver.solve(&Schedule::close(self.options.tolerance), control);
+        let mut outcome = self.solver.polish(self.options.tolerance, POLISH_STEPS, control);
+        outcome.iterations += near.iterations;
+        if outcome.status != Status::Converged {
+            self.solver.restore(&before);
+        }
+        self.report(&outcome, &self.solver, &self.items)
+    }
+
     /// Goes back to the state after the last solve that converged, handles included; answers whether there was one.
     pub fn back(&mut self) -> bool {
         if self.good.known {

@@ -8,6 +8,7 @@ use crate::io::iges::read as iges;
 use crate::io::step::read::edges::{self, EdgeCurve};
 use crate::io::step::read::ReadError;
 use crate::io::threedm;
+use crate::spline::curve::Curve;
 use crate::torse::rail::{Rail, RailError};
 
 /// What the reader is told besides the bytes.
@@ -125,7 +126,7 @@ pub enum CurveError {
 /// A curve of a file with the name by which it can be selected.
 pub(super) struct Found {
     pub label: String,
-    pub curves: Vec<crate::spline::curve::Curve<4>>,
+    pub curves: Vec<Curve<4>>,
 }
 
 /// Curves of a file with what was not read of it.
@@ -215,11 +216,16 @@ fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
     let text = String::from_utf8_lossy(bytes);
     if is_dxf(text.trim_start_matches(BLANK)) {
         let drawing = dxf::read(&text, options)?;
-        let notes: Vec<String> = not_read(&options.name, &drawing.unread).into_iter().collect();
+        let mut notes: Vec<String> = not_read(&options.name, &drawing.unread).into_iter().collect();
         if drawing.found.is_empty() {
             return Err(CurveError::Nothing { name: options.name.clone(), unread: notes.into_iter().next() });
         }
-        return Ok(Source::Curves(drawing.found, notes));
+        let (found, twice) = drawn_once(drawing.found, &options.select);
+        if let Some((again, first)) = twice.first() {
+            let more = if twice.len() > 1 { format!(" (and {} more)", twice.len() - 1) } else { String::new() };
+            notes.push(format!("{}: #{again} is drawn over #{first}{more}; it counts once", options.name));
+        }
+        return Ok(Source::Curves(found, notes));
     }
     let file = options.name.split('#').next().unwrap_or("").to_ascii_lowercase();
     if bytes.starts_with(b"AutoCAD Binary DXF") {
@@ -238,6 +244,39 @@ fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
         return Err(damaged("it is no 3DM file, whatever its name says"));
     }
     csv::read(bytes, options).map(Source::Points)
+}
+
+/// Share of the largest coordinate by which curves of a drawing that lie on each other may differ.
+const SAME_CURVE: f64 = 1e-9;
+
+/// Curves of a drawing (those named, if any are) without copies that lie on an earlier one, either way round, and the names
+/// of these copies with those of the earlier ones.
+fn drawn_once(all: Vec<Found>, select: &str) -> (Vec<Found>, Vec<(String, String)>) {
+    let taken = |f: &Found| select.is_empty() || f.label.eq_ignore_ascii_case(select);
+    let largest = all.iter().flat_map(|f| &f.curves).flat_map(|c| c.control.iter().flatten());
+    let hair = SAME_CURVE * largest.fold(0.0, |m: f64, x| m.max(x.abs()));
+    let near = |a: &Curve<4>, b: &Curve<4>| {
+        let place = |(p, q): (&[f64; 4], &[f64; 4])| p.iter().zip(q).all(|(x, y)| (x - y).abs() <= hair);
+        let knot = |(x, y): (&f64, &f64)| (x - y).abs() <= SAME_CURVE * x.abs().max(1.0);
+        let (s, t) = (a.knots.values(), b.knots.values());
+        a.control.len() == b.control.len()
+            && s.len() == t.len()
+            && a.control.iter().zip(&b.control).all(place)
+            && s.iter().zip(t).all(knot)
+    };
+    let same = |a: &Found, b: &Found| {
+        a.curves.len() == b.curves.len()
+            && (a.curves.iter().zip(&b.curves).all(|(p, q)| near(p, q))
+                || a.curves.iter().zip(b.curves.iter().rev()).all(|(p, q)| near(p, &q.reversed())))
+    };
+    let (mut kept, mut twice): (Vec<Found>, Vec<(String, String)>) = (Vec::new(), Vec::new());
+    for f in all {
+        match kept.iter().find(|k| taken(k) && taken(&f) && same(k, &f)) {
+            Some(first) => twice.push((f.label, first.label.clone())),
+            None => kept.push(f),
+        }
+    }
+    (kept, twice)
 }
 
 /// Curves by their numbers.
@@ -478,6 +517,26 @@ mod tests {
         let named =
             |name: &str| read(b"", &CurveOptions { name: name.into(), ..options() }).expect_err(name).to_string();
         assert!(named("a.dxf").contains("no ASCII DXF") && named("a.STEP#3").contains("no STEP file"));
+    }
+
+    /// A line that is drawn twice, also backwards, joins as if it were drawn once; the copy is named.
+    #[test]
+    fn what_is_drawn_twice_counts_once() {
+        let o = CurveOptions { unit: None, ..options() };
+        let line = |handle: &str, p: [f64; 2], q: [f64; 2]| {
+            format!("0\nLINE\n5\n{handle}\n8\nr\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", p[0], p[1], q[0], q[1])
+        };
+        let corner = [line("A", [0.0, 0.0], [3.0, 0.0]), line("B", [3.0, 0.0], [3.0, 4.0])].concat();
+        for copy in [line("C", [3.0, 0.0], [3.0, 4.0]), line("C", [3.0, 4.0], [3.0, 0.0])] {
+            let all = drawing(&(corner.clone() + &copy));
+            let (rail, notes) = super::read(all.as_bytes(), &o).expect("rail");
+            assert!((rail.length() - 7.0).abs() < 1e-9 && notes[0].contains("#C is drawn over #B"), "{notes:?}");
+            let one = CurveOptions { select: "C".into(), ..o.clone() };
+            assert!((read(all.as_bytes(), &one).expect("rail").length() - 4.0).abs() < 1e-9);
+        }
+        // A longer one is another line.
+        let longer = drawing(&(corner + &line("C", [3.0, 0.0], [3.0, 5.0])));
+        assert!(matches!(read(longer.as_bytes(), &o), Err(CurveError::Several { count: 3, .. } | CurveError::Rail(_))));
     }
 
     #[test]

@@ -71,6 +71,12 @@ impl Schedule {
             iterations: 50,
         }
     }
+
+    /// For unknowns that meet the hard rows and should do best by the soft ones: as [`Schedule::steady`], with a trace of
+    /// fairness.
+    pub fn close(tolerance: f64) -> Self {
+        Self { epsilon: LEAST_EPSILON, least: LEAST_EPSILON, ..Self::steady(tolerance) }
+    }
 }
 
 /// λ never falls below this: squares of smaller numbers vanish beside one.

@@ -78,6 +78,17 @@ fn what_has_no_regular_answer_says_why_and_has_no_strips() {
     assert!(reason.contains("u = 0.7000"), "{reason}");
 }
 
+/// A width that no strip has on this side of its regression curve: what is made is told as a part of what was asked.
+#[test]
+fn a_narrower_strip_is_certified_in_part() {
+    let first = Vec3::new(-0.874, -0.486, 0.654).normalize() * 1500.0;
+    let s = made(&Options::new(0.1, first, last(-0.788, -0.616, -0.049, None)));
+    let told = words::reason(&s.claims, &[]);
+    assert!(told.starts_with("certified in part: a strip 375 mm wide") && told.contains("1500 mm"), "{told}");
+    assert!(s.status() == Status::Uncertified && s.patterns.len() == 1);
+    assert!((figure(&s, "first ruling") - 375.0).abs() < 1e-6);
+}
+
 #[test]
 fn questions_that_cannot_be_asked_name_the_curve_and_the_place() {
     let told =

@@ -16,19 +16,22 @@ const PLACES: usize = 200;
 /// Proven distances of strips from those that they were made of, both ways: of each, and the largest.
 pub(super) fn from_taken(strips: &[Strip], session: &Session, asked: &Asked, control: &Control) -> Vec<Claim> {
     let faces = &asked.taken.faces;
-    // Strips of the job itself come first, planar pieces between corners last.
-    let first = session.composite().strips.len().saturating_sub(faces.len());
-    let bound = |(strip, face): (&Strip, &Option<_>)| {
+    // Strips of the job itself come first.
+    let own = session.composite().strips.len().saturating_sub(faces.len());
+    let taken = session.composite().strips.iter().skip(own).zip(faces);
+    let bound = |(k, face): (usize, &Option<_>)| {
         let Some(face) = face else { return UpperBound::UNKNOWN };
-        let found =
-            distance_from(&[strip], Target::Faces(std::slice::from_ref(face)), asked.options.tolerance, control);
+        let target = Target::Faces(std::slice::from_ref(face));
+        let found = distance_from(&[&strips[k]], target, asked.options.tolerance, control);
         found.there.max(found.back)
     };
-    let bounds: Vec<UpperBound> = strips.iter().skip(first).zip(faces).map(bound).collect();
+    let place = |name: &str| strips.iter().position(|s| s.name == name);
+    let taken = taken.filter_map(|(s, face)| Some((place(&s.name)?, face)));
+    let bounds: Vec<(usize, UpperBound)> = taken.map(|(k, face)| (k, bound((k, face)))).collect();
     let whole = (!bounds.is_empty())
-        .then(|| Claim::at_most(What::FromTaken, Subject::Whole, UpperBound::largest(bounds.iter().copied())));
-    let of = |(k, bound): (usize, &UpperBound)| Claim::at_most(What::FromTaken, Subject::Panel(first + k), *bound);
-    whole.into_iter().chain(bounds.iter().enumerate().map(of)).collect()
+        .then(|| Claim::at_most(What::FromTaken, Subject::Whole, UpperBound::largest(bounds.iter().map(|b| b.1))));
+    let of = |(k, bound): &(usize, UpperBound)| Claim::at_most(What::FromTaken, Subject::Panel(*k), *bound);
+    whole.into_iter().chain(bounds.iter().map(of)).collect()
 }
 
 /// The largest measured distance, both ways, of the curves from what the job gives them as; nothing where all are fixed.

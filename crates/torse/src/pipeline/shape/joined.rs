@@ -45,7 +45,7 @@ pub(super) fn joins(composite: &Composite, strips: &[Strip], options: &Options) 
         let seen = found.seen.iter().map(|s| s.1).fold(0.0, f64::max);
         let reason = Reason::from(JobReason::JoinAngle { index, between: between.clone(), seen, limit });
         claims.push(if smooth { angle.within(limit.to_degrees()).because(reason) } else { angle });
-        if let Some(sides) = folds(composite, [a, b]) {
+        if let Some(sides) = folds(composite, strips, [a, b]) {
             let [p, q] = [(a, sides[0]), (b, sides[1])].map(|(place, side)| (&strips[place.0], side));
             let apart = fold_apart(p, q, options.tolerance);
             let reason = JobReason::Fold { index, between: between.clone(), apart: apart.value() };
@@ -100,17 +100,17 @@ fn meetings(strips: &[Strip]) -> Vec<Meeting> {
 }
 
 /// The rails of two pieces of which it is asked that they unfold to one sheet along them.
-fn folds(composite: &Composite, places: [Place; 2]) -> Option<[usize; 2]> {
+fn folds(composite: &Composite, strips: &[Strip], places: [Place; 2]) -> Option<[usize; 2]> {
     let [(k, Which::Rail(side)), (_, Which::Rail(other))] = places else { return None };
-    let curve = composite.strips.get(k)?.sides.get(side)?;
+    let curve = composite.strips[composite.strip(&strips[k].name)?].sides.get(side)?;
     let fold = |j: &Join| matches!(j, Join::Curve { curve: c, edge: Edge::Fold } if c == curve);
     composite.joins.iter().any(fold).then_some([side, other])
 }
 
 /// Whether two pieces are asked to go on smoothly where they meet.
 fn is_smooth(composite: &Composite, strips: &[Strip], a: Place, b: Place) -> bool {
-    let pieces = composite.strips.len();
-    let is_facet = |p: Place| p.0 >= pieces;
+    let piece = |p: Place| composite.strip(&strips[p.0].name);
+    let is_facet = |p: Place| piece(p).is_none();
     if is_facet(a) || is_facet(b) {
         // A planar piece and a strip whose end ruling is a side of it.
         let ruling = |p: Place| !is_facet(p) && matches!(p.1, Which::First | Which::Last);
@@ -119,13 +119,13 @@ fn is_smooth(composite: &Composite, strips: &[Strip], a: Place, b: Place) -> boo
     let name = |p: Place| &strips[p.0].name;
     match (a.1, b.1) {
         (Which::Rail(side), Which::Rail(_)) => {
-            let curve = &composite.strips[a.0].sides[side];
+            let curve = piece(a).map(|k| &composite.strips[k].sides[side]);
             let planes = strips[a.0].kind == PanelKind::Plane && strips[b.0].kind == PanelKind::Plane;
             !planes
                 && composite
                     .joins
                     .iter()
-                    .any(|j| matches!(j, Join::Curve { curve: c, edge: Edge::Smooth } if c == curve))
+                    .any(|j| matches!(j, Join::Curve { curve: c, edge: Edge::Smooth } if Some(c) == curve))
         }
         (Which::First | Which::Last, Which::First | Which::Last) => composite.joins.iter().any(|j| {
             matches!(j, Join::Ruling { first, second, smoothness }

@@ -114,15 +114,33 @@ fn made(composite: &Composite, strip: Strip, index: usize) -> Result<Made, Splin
 fn chains(composite: &Composite, strips: &[Strip]) -> Vec<Part> {
     let mut out: Vec<Part> = Vec::new();
     for (k, s) in strips.iter().enumerate().filter(|(_, s)| s.kind != PanelKind::Ruled) {
-        let goes_on = k > 0
-            && composite.joins.iter().any(|j| {
-                matches!(j, Join::Ruling { first, second, smoothness }
-                    if *smoothness != Smoothness::G0 && *first == strips[k - 1].name && *second == s.name)
-            });
+        let goes_on = k > 0 && follows(composite, &strips[k - 1].name, &s.name);
         match out.last_mut() {
             Some(last) if goes_on && last.first + last.count == k => last.count += 1,
             _ => out.push(Part::new(&s.name, k, 1)),
         }
+    }
+    out
+}
+
+/// Whether one strip goes on smoothly after the last ruling of another.
+fn follows(composite: &Composite, one: &str, other: &str) -> bool {
+    composite.joins.iter().any(|j| {
+        matches!(j, Join::Ruling { first, second, smoothness }
+            if *smoothness != Smoothness::G0 && first == one && second == other)
+    })
+}
+
+/// Strips that go on smoothly one behind the other, whatever their order in the job; else in that order.
+fn in_chains(composite: &Composite, mut left: Vec<Made>) -> Vec<Made> {
+    let mut out: Vec<Made> = Vec::with_capacity(left.len());
+    while !left.is_empty() {
+        let after = |name: &str, m: &Made| follows(composite, name, &m.built.strip.name);
+        let next = out.last().and_then(|o| left.iter().position(|m| after(&o.built.strip.name, m)));
+        // The first that follows none of the others; in rings the first of all.
+        let begins = |m: &Made| left.iter().all(|o| !after(&o.built.strip.name, m));
+        let next = next.or_else(|| left.iter().position(begins)).unwrap_or(0);
+        out.push(left.remove(next));
     }
     out
 }
@@ -146,8 +164,8 @@ fn fields(all: &[Made], judgement: &Judgement) -> Vec<PanelField> {
 }
 
 /// Lengths of the ruling that the regression curve of a strip should keep off.
-fn margin(composite: &Composite, strip: usize) -> f64 {
-    match composite.strips.get(strip).map(|s| s.shape) {
+fn margin(composite: &Composite, strip: &Strip) -> f64 {
+    match composite.strip(&strip.name).map(|k| composite.strips[k].shape) {
         Some(StripShape::Developable { margin }) => margin,
         _ => 0.0,
     }
@@ -160,7 +178,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     let mut strips = session.strips()?;
     strips.extend(session.facets()?);
     let each = strips.into_iter().enumerate().map(|(k, s)| made(composite, s, k));
-    let all = each.collect::<Result<Vec<_>, _>>()?;
+    let all = in_chains(composite, each.collect::<Result<Vec<_>, _>>()?);
     let developable = all.iter().enumerate().filter(|(_, m)| m.built.strip.kind != PanelKind::Ruled);
     let pieces: Vec<Candidate> = developable
         .map(|(index, m)| Candidate { index, built: &m.built, rails: m.rails.each_ref().map(Option::as_ref) })
@@ -212,7 +230,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
         claims.push(Claim::objection(whole, JobReason::NothingAsked));
     }
     claims.extend(judgement.claims.into_iter().filter(|c| c.what() != What::RegressionClearance));
-    claims.extend(regression::claims(&strips, &|k| margin(composite, k)));
+    claims.extend(regression::claims(&strips, &|k| margin(composite, &strips[k])));
     let guides = composite.curves.iter().map(|c| {
         let (a, b) = c.curve.domain();
         let at = |k: usize| Vec3::from(c.curve.point(a + (b - a) * k as f64 / GUIDE_POINTS as f64));

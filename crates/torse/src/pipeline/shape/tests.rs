@@ -427,3 +427,33 @@ fn a_fold_that_cannot_be_is_named() {
     let told = broken(&answer).join("; ");
     assert!(answer.status() == Certified::Uncertified && told.contains("unfold to one sheet"), "{told}");
 }
+
+/// Strips that go on smoothly are one flat part, in whatever order the job names them.
+#[test]
+fn a_chain_is_one_part_in_any_order_of_its_strips() {
+    let arch = [[0.0, 0.0], [50.0, 20.0], [100.0, 30.0], [150.0, 30.0], [200.0, 22.0], [250.0, 8.0], [300.0, -12.0]];
+    let curve = |k: usize, side: usize| {
+        let at: Vec<String> =
+            arch[2 * k..=2 * k + 2].iter().map(|p| format!("[{}, {}, {}]", p[0], 100 * side, p[1])).collect();
+        format!(r#"{{ "name": "{k}-{side}", "through": [{}], "spans": 3 }}"#, at.join(", "))
+    };
+    let curves: Vec<String> = (0..3).flat_map(|k| [curve(k, 0), curve(k, 1)]).collect();
+    let strip = |k: usize| format!(r#"{{ "name": "s{k}", "sides": ["{k}-0", "{k}-1"] }}"#);
+    let made = |order: [usize; 3]| {
+        let job = format!(
+            r#"{{ "unit": "mm", "curves": [{}], "strips": [{}],
+                "joins": [ {{ "ruling": ["s0", "s1"] }}, {{ "ruling": ["s1", "s2"] }} ],
+                "handles": [ {{ "curve": "0-0", "u": 0, "point": [0, 0, 0] }} ] }}"#,
+            curves.join(", "),
+            order.map(strip).join(", ")
+        );
+        run(&job).expect("an answer")
+    };
+    for order in [[0, 1, 2], [0, 2, 1], [2, 0, 1]] {
+        let answer = made(order);
+        assert_eq!(answer.status(), Certified::Certified, "{order:?} {:?}", broken(&answer));
+        assert_eq!((answer.patterns.len(), answer.parts.len()), (1, 1), "{order:?}");
+        let names: Vec<&str> = answer.strips().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["s0", "s1", "s2"], "{order:?}");
+    }
+}

@@ -52,6 +52,9 @@ pub enum WorkshopError {
     /// A K-factor that cannot be meant.
     #[error(transparent)]
     KFactor(#[from] KFactorError),
+    /// A neutral fibre without a sheet to lie in.
+    #[error("a K-factor says where in the sheet the neutral fibre lies, but nothing here has a thickness")]
+    NoSheet,
     /// Planes that the model does not meet.
     #[error("no plane {name} from {from} to {to} mm meets the model, which lies between {lo:.3} and {hi:.3} mm")]
     Nowhere {

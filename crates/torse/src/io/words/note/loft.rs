@@ -10,6 +10,9 @@ pub(super) fn words(note: &LoftNote) -> String {
         LoftNote::Unlike { long, short, factor } => {
             format!("{long} is {factor:.0} times as long as {short}: check that both are in the unit given")
         }
+        LoftNote::OnePlane => "both rails lie in one plane: what is between them is a flat piece, with the rails themselves as \
+                               its outline"
+            .into(),
         LoftNote::Backwards { rail } => format!("{rail} is run through backwards"),
         LoftNote::Branch { number, rails: [a, b], shares, closed } => format!(
             "alternative {number}: regular, uses {} of {a} and {} of {b}{}",

@@ -16,7 +16,6 @@ pub(super) fn words(note: &NetNote) -> String {
         }
         NetNote::Asked { number } => format!("solution {number} was taken because it was asked for"),
         NetNote::Route { route, good } => way(*route, *good),
-        NetNote::Narrower => "the strip is narrower than asked for: wider, it would meet its regression curve".into(),
         NetNote::Stretch { along: [from, to] } => format!(
             "the strip runs from {from} to {to} of the curve's parameter, 0 to 1{}",
             if *from < 0.0 || *to > 1.0 { "; beyond the curve's ends curve and surface are continued" } else { "" }

@@ -46,6 +46,12 @@ pub(super) fn words(reason: &StripReason) -> String {
             });
             format!("certified in part: {}", told.collect::<Vec<_>>().join(", "))
         }
+        StripReason::Narrower { width, asked } => format!(
+            "certified in part: a strip {} wide on its first ruling, where {} were asked for; wider, it would meet its \
+             regression curve",
+            length(*width),
+            length(*asked)
+        ),
         StripReason::Twist { measured, bound, limit, most } => format!(
             "twist up to {} (measured), proven bound {}, where {} count as developable{}",
             angle(*measured),
