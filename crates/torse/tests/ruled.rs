@@ -131,6 +131,25 @@ fn a_planar_point_is_cut_and_a_flat_face_is_one_strip() {
     // Joins of its pieces are not smoothed, but counted.
     let kink = monkey.answer.claim(What::Kink).expect("a claim").value();
     assert!(kink > 1.0 && kink < 30.0, "{kink}");
+    // Nor do they share edges: what is said of gaps holds across the cuts, too.
+    let border = |k: usize| -> Vec<Vec3> {
+        let runs = monkey.answer.patchwork.panels[k].loops().iter().flatten();
+        let on = |e: &torse::spline::curve::Curve<3>| -> Vec<Vec3> {
+            let (a, b) = e.domain();
+            (0..=400).map(|i| Vec3::from(e.point(a + (b - a) * f64::from(i) / 400.0))).collect()
+        };
+        runs.flat_map(|r| on(&r.edge)).collect()
+    };
+    let borders: Vec<Vec<Vec3>> = (0..monkey.answer.patchwork.panels.len()).map(border).collect();
+    let inside = |p: &&Vec3| p.x.abs().max(p.y.abs()) < 950.0;
+    let gap = |(k, p): (usize, &Vec3)| {
+        let others = borders.iter().enumerate().filter(|o| o.0 != k).flat_map(|o| o.1);
+        others.map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min)
+    };
+    let inner = borders.iter().enumerate().flat_map(|(k, b)| b.iter().filter(inside).map(move |p| (k, p)));
+    let measured = inner.map(gap).fold(0.0, f64::max);
+    let told = monkey.answer.claim(What::SeamGap).expect("a claim").value();
+    assert!(measured > 0.1 && told >= measured && told <= 20.0, "{measured} {told}");
     let flat = made(graph(|x, y| 0.1 * x - 0.2 * y), &RuledOptions::new(1.0)).expect("an answer");
     assert_eq!((flat.answer.status(), flat.answer.patchwork.panels.len()), (Status::Certified, 1));
 }

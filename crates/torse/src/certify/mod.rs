@@ -60,6 +60,6 @@ pub(crate) use known::Known;
 pub(crate) use local::parameters_moved;
 pub use prepared::Prepared;
 pub(crate) use proof::patchwork_after;
-pub use proof::{join, patchwork};
+pub use proof::{join, join_pieces, patchwork};
 pub(crate) use verdict::Obstruction;
 pub use verdict::Verdict;

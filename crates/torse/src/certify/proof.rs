@@ -287,6 +287,18 @@ pub fn join(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certi
     Certificate { parts: out, of, joints: fingerprint::of_joints(whole) }
 }
 
+/// As [`join`], of pieces that were cut out of one face: along a cut each side ends within its deviation of the same line, and
+/// both are no farther apart than the sum.
+pub fn join_pieces(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certificate {
+    let mut bounds: Vec<f64> = parts.iter().map(|p| p.deviation_bound).collect();
+    bounds.sort_by(|a, b| b.total_cmp(a));
+    let mut out = join(whole, parts, tolerance);
+    if let [first, second, ..] = bounds[..] {
+        out.parts.seam_gap_bound = out.parts.seam_gap_bound.max((first + second).next_up());
+    }
+    out
+}
+
 impl Certificate {
     /// Whether this is about the very patchwork, bit by bit.
     pub fn is_of(&self, patchwork: &Patchwork) -> bool {

@@ -15,6 +15,7 @@ use crate::draw::scene::{titled, Scene};
 use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
 use crate::torse::cone::part::ConeBody;
+use std::collections::HashSet;
 
 /// A file to be: its name, with `/` between folder and file, and its contents.
 pub type File = (String, Vec<u8>);
@@ -94,9 +95,10 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
     // Nothing of these strips lies flat.
     let mut out = if answer.lays_flat() { vec![step?, dxf?, svg?] } else { vec![step?] };
     out.extend(copies(answer, shown, &header)?);
-    for (part, drawing) in &shown.alone {
+    let names = part_files(shown.alone.iter().map(|(part, _)| part.as_str()));
+    for (name, (_, drawing)) in names.into_iter().zip(&shown.alone) {
         let (_, bytes) = text("patterns.dxf", |b| dxf::write(b, drawing))?;
-        out.push((part_file(part), bytes));
+        out.push((name, bytes));
     }
     Ok(out)
 }
@@ -117,10 +119,18 @@ fn copies(answer: &Answer, shown: &Presentation, header: &Header) -> Result<Vec<
     Ok(out)
 }
 
-/// Name of the drawing of one part: what names of files cannot hold is replaced.
-pub(crate) fn part_file(name: &str) -> String {
+/// Names of the drawings of parts, one each: what names of files cannot hold is replaced, and names that would be the same then,
+/// or where capitals count for nothing, are numbered.
+pub(crate) fn part_files<'a>(parts: impl Iterator<Item = &'a str>) -> Vec<String> {
     let plain = |c: char| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '_' };
-    format!("{PART_FILE}{}.dxf", name.chars().map(plain).collect::<String>())
+    let mut used = HashSet::new();
+    let mut named = |part: &str| {
+        let base: String = part.chars().map(plain).collect();
+        let numbered = (2..).map(|k| format!("{base}-{k}"));
+        let free = std::iter::once(base.clone()).chain(numbered).find(|name| used.insert(name.to_lowercase()));
+        format!("{PART_FILE}{}.dxf", free.unwrap_or(base))
+    };
+    parts.map(&mut named).collect()
 }
 
 /// Adds bend table, list of parts, pictures, model, points and reports to the files of [`geometry`].
@@ -364,5 +374,11 @@ pub(crate) mod tests {
         for unwanted in ["src=\"http", "href=\"http", "url(", "@import"] {
             assert!(!text.contains(unwanted), "{unwanted}");
         }
+    }
+
+    #[test]
+    fn no_two_parts_have_one_file() {
+        let names = part_files(["A 1", "A_1", "a_1", "B", "A_1-2"].into_iter());
+        assert_eq!(names, ["part-A_1.dxf", "part-A_1-2.dxf", "part-a_1-3.dxf", "part-B.dxf", "part-A_1-2-2.dxf"]);
     }
 }

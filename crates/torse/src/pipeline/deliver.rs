@@ -7,7 +7,7 @@ use crate::answer::Answer;
 use crate::certify::claim::{Claim, Demand, Evidence, Subject, UpperBound, What};
 use crate::certify::written::{self, WrittenCertificate};
 use crate::certify::{written_cones, written_strips};
-use crate::io::bundle::{self, part_file, BundleError, File, CONES, PANELS};
+use crate::io::bundle::{self, part_files, BundleError, File, CONES, PANELS};
 use crate::io::{drawings, step};
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{Item, Reason, WrittenFault};
@@ -49,15 +49,15 @@ const DRAWN_SHARE: f64 = 1e-3;
 /// Compares files with what was judged; what does not agree, takes a proven distance beyond its limit, or is off by more
 /// than the tolerance leaves, ends the certificate.
 pub fn judge(answer: &mut Answer, files: &[File]) {
+    let alone = part_files(answer.patterns.iter().filter(|_| answer.cut.one_per_part).map(|p| p.name.as_str()));
     answer.written = files
         .par_iter()
         .filter_map(|(name, bytes)| {
-            let found =
-                match answer.patterns.iter().position(|p| answer.cut.one_per_part && part_file(&p.name) == *name) {
-                    _ if name == PANELS || name == CONES => panels(answer, bytes),
-                    Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
-                    None => drawing(name, bytes, &answer.patterns)?,
-                };
+            let found = match alone.iter().position(|part| part == name) {
+                _ if name == PANELS || name == CONES => panels(answer, bytes),
+                Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
+                None => drawing(name, bytes, &answer.patterns)?,
+            };
             Some((name.clone(), found))
         })
         .collect();

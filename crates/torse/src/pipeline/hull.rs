@@ -11,6 +11,7 @@ use crate::answer::skipped::Skipped;
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound};
 use crate::control::Control;
+use crate::design::hull::needless::needless;
 use crate::design::hull::sparse::sparse;
 use crate::design::hull::strips::{strips, HullPart};
 use crate::design::hull::{hull as rulings_of_hull, Hull, HullError};
@@ -71,6 +72,9 @@ const FOLLOW_SHARE: f64 = 0.1;
 const TIP_SHARE: f64 = 0.1;
 /// Strips of one span each that are written within a second; more are not written once the job was asked to stop.
 const SOON: usize = 2000;
+/// Share of the tolerance by which a curve that is left out, since it lies on the hull of its neighbours, may come out of that
+/// hull of samples, and by which these may miss it.
+const NEEDLESS_SHARE: f64 = 0.05;
 /// Twist asked of fits, as a share of what counts as developable.
 const TWIST_SHARE: f64 = 0.1;
 
@@ -106,6 +110,20 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         return Err(HullError::Tolerance(tolerance));
     }
     Loose::check(Rail::extent(&curves.iter().collect::<Vec<_>>()), tolerance)?;
+    let needless = needless(curves, NEEDLESS_SHARE * tolerance);
+    let needed = |k: &usize| !needless.contains(k);
+    let kept: Vec<Rail> = (0..curves.len()).filter(needed).map(|k| curves[k].clone()).collect();
+    let mut answer = of_needed(&kept, options, control)?;
+    for curve in needless.into_iter().map(|k| &curves[k]) {
+        answer.guides.push(Guide::of(curve));
+        answer.notes.push(Note::Inside { curve: curve.name.clone() });
+    }
+    Ok(Answer { seconds: start.elapsed().as_secs_f64(), ..answer })
+}
+
+/// The same of curves of which none lies on the hull of others.
+fn of_needed(curves: &[Rail], options: &Options, control: &Control) -> Result<Answer, HullError> {
+    let tolerance = options.tolerance;
     control.report("looking for rulings", 0.1, "");
     // Curves through very many points by their likes with few knots; judged are the given ones.
     let followed: Vec<Rail> = curves.par_iter().map(|c| sparse(c, FOLLOW_SHARE * tolerance, control)).collect();
@@ -159,7 +177,6 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         guides: curves.iter().map(Guide::of).collect(),
         notes,
         skipped: kept.skipped.into_iter().map(Skipped::from).collect(),
-        seconds: start.elapsed().as_secs_f64(),
         ..Answer::of_flat(Job::Hull, &options.input, options.tolerance, laid)
     })
 }

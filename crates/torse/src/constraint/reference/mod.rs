@@ -29,6 +29,12 @@ pub struct Foot {
 pub trait Reference: Send + Sync {
     /// The nearest point to `x` (mm); `near` is what was found for a place nearby. `None` where there is none.
     fn foot(&self, x: &Vec3, near: Option<&Foot>) -> Option<Foot>;
+
+    /// Which of these places (mm) have something of the reference to be near to; all of them, but where a reference ends
+    /// before the places do and says nothing of what is beyond.
+    fn meets(&self, places: &[Vec3]) -> Vec<bool> {
+        vec![true; places.len()]
+    }
 }
 
 /// Principal directions and curvatures from the second fundamental form `[[l, m], [m, n]]` in an orthonormal frame.

@@ -110,6 +110,19 @@ fn quadric(around: &[Vec3], given: Option<Vec3>) -> Local {
 }
 
 impl Reference for PointReference {
+    /// Of points without triangles: those places that are the nearest ones to a point. A place beside the points would be drawn
+    /// to the plane of a point far away.
+    fn meets(&self, places: &[Vec3]) -> Vec<bool> {
+        let mut out = vec![!self.cloud.triangles.is_empty(); places.len()];
+        let tree = BoxTree::new(places.len(), &|i| BBox { min: places[i], max: places[i] });
+        for p in self.cloud.points.iter().filter(|_| self.cloud.triangles.is_empty()) {
+            if let Some((k, _)) = tree.nearest(p, &|i| (places[i] - p).norm_squared()) {
+                out[k] = true;
+            }
+        }
+        out
+    }
+
     fn foot(&self, x: &Vec3, _: Option<&Foot>) -> Option<Foot> {
         let points = &self.cloud.points;
         if self.cloud.triangles.is_empty() {

@@ -278,6 +278,8 @@ impl Builder<'_> {
     fn target(&mut self, k: usize) {
         let t = &self.composite.targets[k];
         let (weight, scale) = (t.weight, self.built.scale);
+        let begins = |b: &Self, place: &Stencil| scale.origin + place.value(&b.built.start) * scale.size;
+        let mut places = Vec::new();
         for s in 0..self.composite.strips.len() {
             if !(t.strips.is_empty() || t.strips.contains(&self.composite.strips[s].name)) {
                 continue;
@@ -290,17 +292,19 @@ impl Builder<'_> {
                     let u = w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / (degree + 1) as f64;
                     let (p, q) = (self.jet(a, u)[0].clone(), self.jet(b, u)[0].clone());
                     for v in [0.0, 0.5, 1.0] {
-                        let place = p.clone().times(1.0 - v).plus(&q.clone().times(v));
-                        let block = Proximity::new(&place, t.reference.clone(), scale);
-                        self.add(block, Role::Soft { weight, fades: true }, "targets", Item::Target(k));
+                        places.push(p.clone().times(1.0 - v).plus(&q.clone().times(v)));
                     }
                 }
             }
         }
+        let begun: Vec<Vec3> = places.iter().map(|p| begins(self, p)).collect();
+        for (place, _) in places.iter().zip(t.reference.meets(&begun)).filter(|p| p.1) {
+            let block = Proximity::new(place, t.reference.clone(), scale);
+            self.add(block, Role::Soft { weight, fades: true }, "targets", Item::Target(k));
+        }
         if let Some(border) = &t.border {
             for place in self.border_places(&t.strips) {
-                let begins = scale.origin + place.value(&self.built.start) * scale.size;
-                if border.distance(&begins) > REACH * scale.size {
+                if border.distance(&begins(self, &place)) > REACH * scale.size {
                     continue;
                 }
                 let block = AtBorder::new(&place, border.clone(), scale);
@@ -391,18 +395,21 @@ impl Builder<'_> {
                 }
             }
         }
-        for s in 0..self.composite.strips.len() {
-            for t in 0..self.composite.strips.len() {
-                let ([a, b], [c, d]) = (self.sides[s], self.sides[t]);
-                // Across a fold nothing goes on.
-                if b != c || s == t || folded[b] {
-                    continue;
-                }
-                let rows = self.built.points[a].iter().zip(&self.built.points[b]).zip(&self.built.points[d]);
-                let rows: Vec<Stencil> = rows.map(|((p, q), r)| across(*p, *q, *r)).collect();
-                for row in rows {
-                    self.add(Vanish::new(&row, self.options.fairness), role, "fairness", Item::Fairness);
-                }
+        // Strips on both sides of a curve, whichever side of each it is.
+        let beside = |s: usize, t: usize| {
+            let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
+            let common = sides.into_iter().filter(move |[i, j]| self.sides[s][*i] == self.sides[t][*j]);
+            common.map(move |[i, j]| [self.sides[s][1 - i], self.sides[s][i], self.sides[t][1 - j]])
+        };
+        let pairs = (0..self.sides.len()).flat_map(|t| (0..t).map(move |s| (s, t)));
+        // Across a fold nothing goes on, nor between two strips that have both curves in common.
+        let goes_on = |t: &[usize; 3]| !folded[t[1]] && t[0] != t[2];
+        let triples: Vec<[usize; 3]> = pairs.flat_map(|(s, t)| beside(s, t)).filter(goes_on).collect();
+        for [a, middle, b] in triples {
+            let rows = self.built.points[a].iter().zip(&self.built.points[middle]).zip(&self.built.points[b]);
+            let rows: Vec<Stencil> = rows.map(|((p, q), r)| across(*p, *q, *r)).collect();
+            for row in rows {
+                self.add(Vanish::new(&row, self.options.fairness), role, "fairness", Item::Fairness);
             }
         }
     }

@@ -4,6 +4,7 @@
 
 pub mod chains;
 mod contact;
+pub(crate) mod needless;
 mod sampled;
 pub(crate) mod sparse;
 pub mod strips;

@@ -27,6 +27,20 @@ fn circle_and_ellipse_are_joined_and_certified() {
     assert!(!answer.patterns.is_empty());
 }
 
+/// Frames of a straight skin: those in the middle lie on the cone of the others and take no part.
+#[test]
+fn frames_on_a_cone_leave_one_cone() {
+    let frames = [(0.0, 100.0), (200.0, 140.0), (500.0, 200.0)];
+    let curves = frames.map(|(z, r)| ellipse(&format!("at {z}"), Vec3::z() * z, r, r));
+    let answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+    let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
+    let exact = std::f64::consts::PI * 300.0 * 500f64.hypot(100.0);
+    assert!((area - exact).abs() < 1e-4 * exact, "{area} {exact}");
+    assert!(answer.notes.iter().any(|n| matches!(n, Note::Inside { curve } if curve == "at 200")));
+    assert_eq!(answer.guides.len(), 3);
+}
+
 /// Eaves and a ridge: a hip roof, whose ridge is passed on both sides. A piece that is missing is seen.
 #[test]
 fn a_hip_roof_is_whole() {

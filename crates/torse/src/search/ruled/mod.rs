@@ -103,7 +103,7 @@ pub(crate) fn ruled_face(
         }
     }
     let any = !certificates.is_empty();
-    let certificate = any.then(|| certify::join(&out, certificates, options.tolerance));
+    let certificate = any.then(|| certify::join_pieces(&out, certificates, options.tolerance));
     let kink_estimate = joins::kink_estimate(&out);
     Ok(RuledFace { patchwork: out, certificate, left, map, directing, kink_estimate })
 }

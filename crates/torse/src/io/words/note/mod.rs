@@ -131,7 +131,7 @@ pub fn note(note: &Note) -> String {
             let what = if *whole { "" } else { "a part of " };
             format!("{what}{curve} lies in a plane on which the hull rests; that planar piece is left open")
         }
-        Note::Inside { curve } => format!("{curve} bounds no developable strip: it lies inside the hull of the others"),
+        Note::Inside { curve } => format!("{curve} bounds no developable strip: it lies inside the hull of the others, or on it"),
         Note::Tips { count, within } => format!(
             "{count} tips are cut off where rulings become short; beyond the last ones the curves lie within {} mm of these \
              (proven, part of the distance from the curves)",
