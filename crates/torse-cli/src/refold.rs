@@ -27,7 +27,7 @@ pub fn run(arguments: &Refold) -> Result<bool, Failure> {
     let terminal = Terminal::new(arguments.quiet, None)?;
     terminal.guard(Some(output.workspace().to_path_buf()));
     terminal.say("bending back");
-    let answer = refold(&file).map_err(|e| {
+    let answer = refold(&file, terminal.control()).map_err(|e| {
         Failure::new(
             format!("{}: {e}", folder.display()),
             "give a folder as another command wrote it, with all its files",

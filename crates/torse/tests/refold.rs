@@ -21,7 +21,7 @@ fn cone() -> &'static (Files, RefoldAnswer) {
     static CONE: OnceLock<(Files, RefoldAnswer)> = OnceLock::new();
     CONE.get_or_init(|| {
         let files = cone_files();
-        let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+        let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
         (files, answer)
     })
 }
@@ -70,7 +70,7 @@ fn cones_up_to_their_tips_are_proven() {
         let options = torse::Approximate::new(0.5);
         let mut answer = of_faces(vec![face], Vec::new(), &options, &Control::default()).expect("a panel");
         let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-        let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+        let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
         let p = &answer.report().parts[0];
         assert!(p.matched_estimate < 0.02, "{turn} {p:?}");
         assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 0.1), "{turn} {p:?}");
@@ -84,7 +84,7 @@ fn all_quadrilaterals_of_a_strip_are_proven() {
         torse::io::quads::read("hood.csv", include_bytes!("../../../data/hood_strip.csv"), None).expect("a strip");
     let mut answer = torse::planarise(&strip, &torse::Planarise::new(0.01), &Control::default()).expect("plane pieces");
     let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
     let report = answer.report();
     assert_eq!(report.parts[0].panels.len(), 10, "{report:?}");
     assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
@@ -98,7 +98,7 @@ fn chains_of_cones_are_bent_back_and_carry_points() {
     let mut answer = torse::cones(&model.faces, &model.skipped, &options, &Control::default()).expect("cones");
     let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
     let file = |n: &str| files.get(n).cloned();
-    let back = refold(&file).expect("an answer");
+    let back = refold(&file, &Control::default()).expect("an answer");
     let report = back.report();
     assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
     assert!(report.parts[0].matched_estimate < 0.05, "{report:?}");
@@ -140,7 +140,7 @@ fn panels_are_proven_one_by_one() {
     let model = torse::read(include_bytes!("../../../data/bracket.step")).expect("a bracket");
     let mut answer = torse::unroll(&model, &torse::UnrollOptions::new(0.05), &Control::default()).expect("a flat part");
     let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
     let report = answer.report();
     let part = &report.parts[0];
     assert_eq!(part.panels.len(), 5, "{part:?}");
@@ -174,7 +174,7 @@ fn a_table_that_bends_otherwise_is_found_out() {
         })
         .collect();
     files.insert("bends.csv".into(), (rows.join("\n") + "\n").into_bytes());
-    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
     assert!(matched(&answer) > right + 1.0);
     // What is proven says so too.
     assert!(answer.report().parts.iter().all(|p| p.distance_bound.is_none_or(|b| b > 1.0)));
@@ -185,19 +185,22 @@ fn damaged_files_are_named_and_drawings_replace_each_other() {
     let whole = cone().0.clone();
     let mut files = whole.clone();
     files.remove("bends.csv");
-    let e = refold(&|n| files.get(n).cloned()).expect_err("no table").to_string();
+    let e = refold(&|n| files.get(n).cloned(), &Control::default()).expect_err("no table").to_string();
     assert!(e.contains("bends.csv is missing"), "{e}");
     let mut files = whole.clone();
     let cut = files["patterns.dxf"].len() / 2;
     files.get_mut("patterns.dxf").expect("a drawing").truncate(cut);
-    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
     assert!(answer.notes.iter().any(|n| n.contains("patterns.dxf is damaged")), "{:?}", answer.notes);
     assert!(answer.report().parts[0].matched_estimate < 0.05);
     files.remove("patterns.svg");
-    assert!(matches!(refold(&|n| files.get(n).cloned()), Err(FolderError::File { file: "patterns.dxf", .. })));
+    assert!(matches!(
+        refold(&|n| files.get(n).cloned(), &Control::default()),
+        Err(FolderError::File { file: "patterns.dxf", .. })
+    ));
     let mut files = whole;
     files.remove("panels.step");
-    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
     assert!(answer.report().left[0][1].contains("panels.step is missing"));
 }
 

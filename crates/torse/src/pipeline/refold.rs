@@ -3,6 +3,7 @@
 
 use super::part_atlas::{atlases, flat_part, panels, read_bound, refolded};
 use crate::certify::claim::UpperBound;
+use crate::control::Control;
 use crate::develop::refold::atlas::Atlas;
 use crate::develop::refold::compare::{compare, Comparison};
 use crate::develop::refold::drawn::FlatPart;
@@ -54,17 +55,21 @@ pub struct RefoldAnswer {
     pub notes: Vec<String>,
 }
 
-/// Bends all parts of a result back. `file` answers the bytes of its files by name.
+/// Bends all parts of a result back. `file` answers the bytes of its files by name. Parts whose turn comes after the control said
+/// stop are left out, and of those under way nothing more is proven.
 ///
 /// # Errors
 /// See [`FolderError`]; what concerns single parts stands in the answer.
-pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync)) -> Result<RefoldAnswer, FolderError> {
+pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync), control: &Control) -> Result<RefoldAnswer, FolderError> {
     let folder = read(file)?;
     let in_space = panels(file, &folder.report.job);
     let made: Vec<_> = folder
         .parts
         .par_iter()
         .map(|p| {
+            if control.stopped() {
+                return Err((p.record.name.clone(), NotRefolded::Stopped.to_string()));
+            }
             let flat = flat_part(p, true);
             let back = refolded(&flat).map_err(|e| (p.record.name.clone(), e.to_string()))?;
             let found = match &in_space {
@@ -73,7 +78,7 @@ pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync)) -> Result<RefoldA
             };
             let aim = AIM * folder.report.tolerance;
             let read = in_space.as_ref().map_or(UpperBound::UNKNOWN, |all| read_bound(all, p, aim));
-            Ok(answer(p, (flat, back), found, read))
+            Ok(answer(p, (flat, back), found, (read, control)))
         })
         .collect();
     let mut left = folder.left.clone();
@@ -94,7 +99,7 @@ fn answer(
     part: &ResultPart,
     (flat, refolded): (FlatPart, Refolded),
     found: Result<Vec<Atlas>, String>,
-    read: UpperBound,
+    (read, control): (UpperBound, &Control),
 ) -> PartAnswer {
     let mut out = PartAnswer {
         name: part.record.name.clone(),
@@ -119,7 +124,7 @@ fn answer(
             let found = p.found.map(|b| b.plus(read).value());
             (p.name, found.and_then(|b| if b.is_finite() { Ok(b) } else { Err(NotRefolded::NotExact) }))
         };
-        distance_bounds(flat, back, atlas, &c.motion).into_iter().map(of).collect()
+        distance_bounds(flat, back, (atlas, &c.motion), control).into_iter().map(of).collect()
     };
     out.alignment = atlas.alignment;
     out.proven = bounds(&out.flat, &out.refolded, &c);

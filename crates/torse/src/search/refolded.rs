@@ -8,6 +8,7 @@
 
 use crate::certify::claim::UpperBound;
 use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
+use crate::control::Control;
 use crate::develop::refold::atlas::{Atlas, OnPanel, Sheet};
 use crate::develop::refold::compare::samples;
 use crate::develop::refold::cut::{cut, Region};
@@ -36,6 +37,9 @@ pub enum NotRefolded {
     /// Its panels cannot be laid beside its drawing, for a reason that an error gave.
     #[error("{0}")]
     Panels(String),
+    /// The job was asked to stop.
+    #[error("the job was stopped before it was done")]
+    Stopped,
     /// No sample is on both.
     #[error("no sample is on both")]
     NoSample,
@@ -82,14 +86,17 @@ pub(crate) struct PanelBound {
 pub(crate) fn distance_bounds(
     part: &FlatPart,
     refolded: &Refolded,
-    atlas: &Atlas,
-    motion: &Placement,
+    (atlas, motion): (&Atlas, &Placement),
+    control: &Control,
 ) -> Vec<PanelBound> {
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
     let judged = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
         let all = stretches(part, leaf, &ribbon, atlas);
-        let one = |(range, sheet): (Range<usize>, usize)| (sheet, judged(part, (leaf, &ribbon), range, (atlas, sheet)));
+        let one = |(range, sheet): (Range<usize>, usize)| {
+            let going = if control.stopped() { Err(NotRefolded::Stopped) } else { Ok(()) };
+            (sheet, going.and_then(|()| judged(part, (leaf, &ribbon), (range, control), (atlas, sheet))))
+        };
         all.into_par_iter().map(one).collect()
     };
     let leaves: Vec<&Leaf> = refolded.leaves.iter().filter(|l| !l.is_taken_up()).collect();
@@ -365,7 +372,7 @@ fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, sheet): (
 fn judged(
     part: &FlatPart,
     (leaf, ribbon): (&Leaf, &Ribbon),
-    range: Range<usize>,
+    (range, control): (Range<usize>, &Control),
     (atlas, sheet): (&Atlas, usize),
 ) -> Result<UpperBound, NotRefolded> {
     let loops = between(leaf, ribbon, &range, (atlas, sheet));
@@ -394,6 +401,9 @@ fn judged(
             .min_by(|a, b| nearest(&borders[*a], &first).1.total_cmp(&nearest(&borders[*b], &first).1))
             .ok_or(Unshown::Lines)?;
         matched.push((border, beside(line, &borders[border], &on_patch)));
+    }
+    if control.stopped() {
+        return Err(NotRefolded::Stopped);
     }
     let (surface, borders, chords) = (&panel.surface, &panel.loops[..], part.chords);
     Ok(distance(&Stretch { spans, places, lines: matched, surface, borders, chords })?)

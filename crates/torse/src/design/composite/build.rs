@@ -396,15 +396,16 @@ impl Builder<'_> {
             }
         }
         // Strips on both sides of a curve, whichever side of each it is.
-        let beside = |s: usize, t: usize| {
-            let sides = [[0, 0], [0, 1], [1, 0], [1, 1]];
-            let common = sides.into_iter().filter(move |[i, j]| self.sides[s][*i] == self.sides[t][*j]);
-            common.map(move |[i, j]| [self.sides[s][1 - i], self.sides[s][i], self.sides[t][1 - j]])
+        let sides = &self.sides;
+        let beside = |(s, t): (usize, usize)| {
+            let pairs = [[0, 0], [0, 1], [1, 0], [1, 1]].into_iter();
+            let common = pairs.filter(move |[i, j]| sides[s][*i] == sides[t][*j]);
+            common.map(move |[i, j]| [sides[s][1 - i], sides[s][i], sides[t][1 - j]])
         };
-        let pairs = (0..self.sides.len()).flat_map(|t| (0..t).map(move |s| (s, t)));
+        let pairs = (0..sides.len()).flat_map(|t| (0..t).map(move |s| (s, t)));
         // Across a fold nothing goes on, nor between two strips that have both curves in common.
         let goes_on = |t: &[usize; 3]| !folded[t[1]] && t[0] != t[2];
-        let triples: Vec<[usize; 3]> = pairs.flat_map(|(s, t)| beside(s, t)).filter(goes_on).collect();
+        let triples: Vec<[usize; 3]> = pairs.flat_map(beside).filter(goes_on).collect();
         for [a, middle, b] in triples {
             let rows = self.built.points[a].iter().zip(&self.built.points[middle]).zip(&self.built.points[b]);
             let rows: Vec<Stencil> = rows.map(|((p, q), r)| across(*p, *q, *r)).collect();

@@ -21,7 +21,7 @@ fn back(faces: Vec<Face>) -> RefoldReport {
     let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
     let made: HashMap<String, Vec<u8>> =
         files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    refold(&|name| made.get(name).cloned()).expect("an answer").report()
+    refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report()
 }
 
 /// Every panel is proven within a bound (mm).
@@ -56,7 +56,12 @@ fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
         let chord = 2.0 * neutral * (0.5 * angle * sin).sin();
         assert!(((place - places[0]).norm() - chord).abs() < 1e-6, "{angle}: {} {chord}", (place - places[0]).norm());
     }
-    let left = refold(&|name| made.get(name).cloned()).expect("an answer").report().left;
+    // Asked to stop, nothing is bent back, and all of it is named.
+    let stop = Control::default();
+    stop.cancel();
+    let stopped = refold(&|name| made.get(name).cloned(), &stop).expect("an answer");
+    assert!(stopped.parts.is_empty() && stopped.left.iter().any(|l| l.1.contains("stopped")), "{:?}", stopped.left);
+    let left = refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report().left;
     assert!(left.len() == 1 && left[0][1].contains("neutral fibre"), "{left:?}");
 }
 
