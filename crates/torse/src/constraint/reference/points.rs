@@ -12,12 +12,16 @@ use nalgebra as na;
 
 /// Neighbours that a quadric is fitted to: twice what it needs.
 const NEIGHBOURS: usize = 13;
+/// Ratio of the moments across and along neighbours below which these lie on a line.
+const LINE: f64 = 1e-6;
 /// Curvatures above this share of the inverse distance of the neighbours are noise.
 const SHARPEST: f64 = 2.0;
 
 /// What is known at a point.
 #[derive(Clone, Copy, Debug)]
 struct Local {
+    /// Whether its neighbours say where the plane through it is: one point, or points on a line, do not.
+    plane: bool,
     normal: Vec3,
     directions: [Vec3; 2],
     curvatures: [f64; 2],
@@ -67,14 +71,15 @@ impl PointReference {
 /// Normal and curvatures of points about the origin.
 fn quadric(around: &[Vec3], given: Option<Vec3>) -> Local {
     let moment: na::Matrix3<f64> = around.iter().map(|p| p * p.transpose()).sum();
-    let normal = given.unwrap_or_else(|| {
-        let eigen = moment.symmetric_eigen();
-        let least = eigen.eigenvalues.imin();
-        eigen.eigenvectors.column(least).into_owned().try_normalize(0.0).unwrap_or(Vec3::z())
-    });
+    let eigen = moment.symmetric_eigen();
+    let (least, most) = (eigen.eigenvalues.imin(), eigen.eigenvalues.max());
+    let middle = eigen.eigenvalues.sum() - most - eigen.eigenvalues[least];
+    let plane = given.is_some() || middle > LINE * most;
+    let normal =
+        given.unwrap_or_else(|| eigen.eigenvectors.column(least).into_owned().try_normalize(0.0).unwrap_or(Vec3::z()));
     let x = normal.cross(&if normal.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() }).normalize();
     let y = normal.cross(&x);
-    let mut flat = Local { normal, directions: [x, y], curvatures: [0.0; 2] };
+    let mut flat = Local { plane, normal, directions: [x, y], curvatures: [0.0; 2] };
     let reach = around.iter().map(|p| p.norm()).fold(0.0, f64::max);
     if around.len() < 6 || reach <= 0.0 {
         return flat;
@@ -128,16 +133,12 @@ impl Reference for PointReference {
         if self.cloud.triangles.is_empty() {
             let (of, _) = self.tree.nearest(x, &|i| (points[i] - x).norm_squared())?;
             let l = self.local[of];
-            // The foot on the plane of the nearest point: the cloud itself has no places between its points.
-            let point = x - l.normal * l.normal.dot(&(x - points[of]));
-            return Some(Foot {
-                point,
-                normal: l.normal,
-                directions: l.directions,
-                curvatures: l.curvatures,
-                at: [0.0; 2],
-                of,
-            });
+            // The foot on the plane of the nearest point: the cloud itself has no places between its points. Without a plane,
+            // the point.
+            let away = x - points[of];
+            let normal = if l.plane { l.normal } else { away.try_normalize(0.0).unwrap_or(l.normal) };
+            let point = x - normal * normal.dot(&away);
+            return Some(Foot { point, normal, directions: l.directions, curvatures: l.curvatures, at: [0.0; 2], of });
         }
         let corners = |k: usize| self.cloud.triangles[k].map(|i| points[i as usize]);
         let place = |k: usize| {

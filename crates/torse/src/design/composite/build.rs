@@ -371,8 +371,8 @@ impl Builder<'_> {
                 }
             }
         }
-        // Targets say nothing of places along them: there, what is ruled stays where it was given.
-        if self.composite.is_ruled() && !self.composite.targets.is_empty() {
+        // Targets say nothing of places along them: there, strips stay where they were given.
+        if !self.composite.targets.is_empty() {
             let points: std::collections::BTreeSet<u32> = self.built.points.iter().flatten().copied().collect();
             for p in points {
                 let given = self.given(self.at(p));
