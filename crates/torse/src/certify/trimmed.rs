@@ -457,7 +457,7 @@ impl Cell {
 }
 
 /// The corners of a closed loop of polylines of the parameter plane; `None` if it is none.
-fn polygon(runs: &[Coedge]) -> Option<Vec<[f64; 2]>> {
+pub(super) fn polygon(runs: &[Coedge]) -> Option<Vec<[f64; 2]>> {
     let mut out = Vec::new();
     for (k, run) in runs.iter().enumerate() {
         let (c, before) = (&run.trim.control, &runs[(k + runs.len() - 1) % runs.len()].trim.control);

@@ -14,7 +14,7 @@ mod piece;
 mod region;
 mod target;
 
-pub(crate) use target::{distance_from, Open, Target, TargetDistance};
+pub(crate) use target::{distance_from, panels_from_faces, Open, Target, TargetDistance};
 
 use ground::Ground;
 use piece::Piece;

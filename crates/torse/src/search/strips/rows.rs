@@ -54,6 +54,8 @@ pub(crate) struct RowStrips {
     pub strips: Vec<Strip>,
     /// The elements that they were fitted to: one of the estimates.
     pub elements: Vec<ContactElement>,
+    /// Of each strip those that it was fitted to.
+    pub ranges: Vec<Range<usize>>,
     /// Elements without a strip, and why.
     pub missed: Vec<(Range<usize>, StripReason)>,
     /// Whether the strip is the face as it was.
@@ -78,8 +80,11 @@ pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, con
         _ => best(estimates, most, options, control),
     };
     let which = found.as_ref().map_or(0, |f| f.0);
+    let all = || vec![0..estimates.get(which).map_or(0, Vec::len)];
+    let mut ranges = if own.is_empty() { Vec::new() } else { all() };
     if let Some((_, found)) = found {
         let elements = &estimates[which];
+        ranges = found.ranges.clone();
         let reason = |range: &Range<usize>| unfollowed(&elements[range.clone()], options);
         missed.extend(found.missed.into_iter().map(|(range, why)| {
             let why = why.unwrap_or_else(|| reason(&range));
@@ -94,11 +99,11 @@ pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, con
         let beyond = certified(&own, &estimates[which], control).beyond(options.tolerance);
         if own.is_empty() || beyond > 0 || no_simpler(&own, strip) {
             is_face = true;
-            own = vec![strip.clone()];
+            (own, ranges) = (vec![strip.clone()], all());
             missed.clear();
         }
     }
-    RowStrips { strips: own, elements: std::mem::take(&mut row.estimates[which]), missed, is_face }
+    RowStrips { strips: own, elements: std::mem::take(&mut row.estimates[which]), ranges, missed, is_face }
 }
 
 /// Strips for one row.

@@ -1,6 +1,7 @@
 //! Scanned strips, and their flat patterns, cut back to the border of the points \[EKS83\], where these lie on the judged
 //! strips; and what the judge says of that.
 
+use super::given_outline::{cut as cut_given, Cut, GivenBorder};
 use crate::certify;
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::flat::outlined_parts;
@@ -42,7 +43,7 @@ pub(crate) struct Ended {
     pub keeps: Vec<Option<[f64; 2]>>,
     /// What is known of outlines that follow points; `None` if there are none.
     pub outlines: Option<Outlines>,
-    /// Names of the parts that are whole.
+    /// Names of the parts that are whole and should not be.
     pub whole: Vec<String>,
 }
 
@@ -55,7 +56,7 @@ impl Ended {
 }
 
 /// Share of the tolerance by which chords of outlines may lie beside the strips.
-const CHORD: f64 = 0.02;
+pub(crate) const CHORD: f64 = 0.02;
 
 /// What outlines follow.
 #[derive(Clone, Copy)]
@@ -64,6 +65,8 @@ pub(crate) enum Followed<'a> {
     Points(&'a PointCertificate, f64),
     /// Facets of a coarse mesh, for each strip, with the distance (mm) that these may lie off a smooth sheet through their corners.
     Facets(&'a Cloud, &'a [Vec<u32>], f64),
+    /// What each strip should end at; `None` where that is nothing, and the strip stays whole.
+    Given(&'a [Option<GivenBorder>]),
 }
 
 /// Cuts strips and their flat patterns back to the border of what they follow, and has the patterns
@@ -79,6 +82,7 @@ pub(crate) fn outlined(
     let chord = CHORD * tolerance;
     let mut loops: Vec<Option<Vec<CarriedLoop>>> = vec![None; strips.len()];
     let mut found: Vec<Option<ScanOutline>> = vec![None; strips.len()];
+    let mut there: Vec<Option<[f64; 2]>> = vec![None; strips.len()];
     for pattern in &laid.patterns {
         let k = laid.parts.get(pattern.panel).map_or(usize::MAX, |p| p.first);
         let Some((strip, development)) = strips.get(k).and_then(|s| Some((s, Development::new(&s.patch, side).ok()?)))
@@ -93,6 +97,17 @@ pub(crate) fn outlined(
             Followed::Facets(cloud, facets, bulge) => {
                 facets.get(k).and_then(|f| cut_mesh(&shown, strip, (cloud, &f[..]), bulge, control))
             }
+            Followed::Given(borders) => {
+                let border = borders.get(k).and_then(Option::as_ref);
+                match border.and_then(|b| cut_given(&shown, strip, b, tolerance, control)) {
+                    Some(Cut::At(outline, carried)) => Some((outline, carried)),
+                    Some(Cut::Whole(keeps)) => {
+                        there[k] = Some(keeps);
+                        None
+                    }
+                    None => None,
+                }
+            }
         };
         if let Some((outline, carried)) = outline {
             (found[k], loops[k]) = (Some(outline), Some(carried));
@@ -102,7 +117,9 @@ pub(crate) fn outlined(
         }
     }
     if found.iter().all(Option::is_none) || loops.iter().any(Option::is_none) {
-        return Ended::whole(strips);
+        let (keeps, mut ended) = (there, Ended::whole(strips));
+        ended.whole.retain(|name| !ended.panels.iter().zip(&keeps).any(|(p, k)| k.is_some() && p.strip.name == *name));
+        return Ended { keeps, ..ended };
     }
     let mut panels: Vec<Panel> = strips.into_iter().map(Panel::from).collect();
     let mut drawn: Vec<Vec<Contour>> = Vec::new();
@@ -128,8 +145,11 @@ pub(crate) fn outlined(
             closed: all().map(|f| f.closed).sum(),
             stray: all().map(|f| f.stray).sum(),
         }),
-        whole: panels.iter().zip(&found).filter(|p| p.1.is_none()).map(|p| p.0.strip.name.clone()).collect(),
-        keeps: found.iter().map(|f| f.as_ref().map(|f| f.keeps)).collect(),
+        whole: (panels.iter().zip(&found).zip(&there))
+            .filter(|((_, found), there)| found.is_none() && there.is_none())
+            .map(|((p, _), _)| p.strip.name.clone())
+            .collect(),
+        keeps: found.iter().zip(there).map(|(f, there)| f.as_ref().map(|f| f.keeps).or(there)).collect(),
         panels,
     }
 }
