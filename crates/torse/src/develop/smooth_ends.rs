@@ -8,30 +8,42 @@ use crate::geom::Vec2;
 
 /// Turn (rad) of a polygon beyond which a point of it is a corner.
 const CORNER: f64 = 0.5;
-/// Turn (rad) that needs no neighbour that agrees.
+/// Turn (rad) that needs no neighbours that agree.
 const GENTLE: f64 = 0.02;
+/// Share of the curvature at a point and beside it by which the former may differ from what the latter lets expect.
+const AGREES: f64 = 0.6;
 /// Pieces of a stretch at most.
 const MOST: f64 = 64.0;
 /// Sagitta of an arc as a share of its chord and the angle (rad) between both at its end.
 const SAGITTA: f64 = 0.25;
 
-/// Which points of an open chain are no corners.
+/// Which points of an open chain are no corners: none where more are corners than not, since ends that jump to and fro turn like
+/// a curve here and there.
 pub(crate) fn smooth(chain: &[Vec2]) -> Vec<bool> {
     let n = chain.len();
-    let turn = |i: usize| -> Option<f64> {
+    // Turn, and turn over the length that it belongs to.
+    let bend = |i: usize| -> Option<(f64, f64)> {
         let (p, q) = (chain[i] - *chain.get(i.checked_sub(1)?)?, chain.get(i + 1)? - chain[i]);
-        Some(p.perp(&q).atan2(p.dot(&q)))
+        let turn = p.perp(&q).atan2(p.dot(&q));
+        Some((turn, 2.0 * turn / (p.norm() + q.norm())))
     };
-    let turns: Vec<Option<f64>> = (0..n).map(turn).collect();
-    let at = |i: Option<usize>| i.and_then(|i| turns.get(i).copied().flatten());
+    let bends: Vec<Option<(f64, f64)>> = (0..n).map(bend).collect();
+    let at = |i: Option<usize>| i.and_then(|i| bends.get(i).copied().flatten()).map(|b| b.1);
     let is_smooth = |i: usize| {
-        let Some(own) = turns[i] else { return false };
-        let beside = [at(i.checked_sub(1)), at(Some(i + 1))];
-        // The points beside the ends of a chain have one neighbour that turns, or none.
-        let agrees = beside.iter().flatten().any(|t| t * own > 0.0) || beside.iter().all(Option::is_none);
-        own.abs() <= CORNER && (agrees || own.abs() <= GENTLE)
+        let Some((turn, own)) = bends[i] else { return false };
+        let (expected, size) = match (at(i.checked_sub(1)), at(Some(i + 1))) {
+            (Some(a), Some(b)) => (0.5 * (a + b), (a.abs() + b.abs() + own.abs()) / 3.0),
+            (Some(a), None) | (None, Some(a)) => (a, 0.5 * (a.abs() + own.abs())),
+            (None, None) => (own, own.abs()),
+        };
+        turn.abs() <= CORNER && ((own - expected).abs() <= AGREES * size || turn.abs() <= GENTLE)
     };
-    (0..n).map(is_smooth).collect()
+    let found: Vec<bool> = (0..n).map(is_smooth).collect();
+    let corners = n.saturating_sub(2) - found.iter().filter(|s| **s).count();
+    if 2 * corners > n.saturating_sub(2) {
+        return vec![false; n];
+    }
+    found
 }
 
 /// Points of the curve inside every stretch of a chain; chords between them lie within `chord` (mm) of the curve, about.

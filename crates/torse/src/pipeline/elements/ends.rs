@@ -80,7 +80,9 @@ impl Ends {
         let strips: Vec<Strip> = ended.panels.iter().map(|p| p.strip.clone()).collect();
         let places = points(&strips, &given.points, control);
         let measured = Measured { points: &given.points, triangles: &given.triangles, places: &places };
-        let proofs = trimmed(&ended.panels, &measured, tolerance, control);
+        // Bounds of the way back need not be sharper than what outlines keep to.
+        let within = ended.keeps.iter().flatten().map(|k| k[1]).fold(tolerance, f64::max);
+        let proofs = trimmed(&ended.panels, &measured, within, control);
         let mut out = Vec::new();
         let rulings = self.faces.is_empty();
         let whole = Subject::Whole;

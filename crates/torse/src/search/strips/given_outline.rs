@@ -20,7 +20,7 @@ pub(crate) enum GivenBorder {
 }
 
 /// Share of the tolerance within which a whole strip ends where it should: its smooth edges stay then.
-const ENDS: f64 = 0.1;
+const ENDS: f64 = 0.3;
 /// Places along each border of a strip at which that is looked at.
 const LOOKS: usize = 512;
 /// Shares of rulings at which the sheet between two of them is compared with straight lines.

@@ -92,24 +92,20 @@ pub(crate) fn outlined(
         // Patterns are seen from outside or from inside: mirrored where that is the other side.
         let Some(mirrored) = mirrored(pattern, &development) else { continue };
         let shown = Shown { development: &development, patch: &strip.patch, mirrored, chord };
-        let outline = match followed {
+        let cut = match followed {
             Followed::Points(certificate, near) => cut(&shown, k as u32, certificate, near),
             Followed::Facets(cloud, facets, bulge) => {
                 facets.get(k).and_then(|f| cut_mesh(&shown, strip, (cloud, &f[..]), bulge, control))
             }
             Followed::Given(borders) => {
                 let border = borders.get(k).and_then(Option::as_ref);
-                match border.and_then(|b| cut_given(&shown, strip, b, tolerance, control)) {
-                    Some(Cut::At(outline, carried)) => Some((outline, carried)),
-                    Some(Cut::Whole(keeps)) => {
-                        there[k] = Some(keeps);
-                        None
-                    }
-                    None => None,
-                }
+                border.and_then(|b| cut_given(&shown, strip, b, tolerance, control))
             }
         };
-        if let Some((outline, carried)) = outline {
+        if let Some(Cut::Whole(keeps)) = &cut {
+            there[k] = Some(*keeps);
+        }
+        if let Some(Cut::At(outline, carried)) = cut {
             (found[k], loops[k]) = (Some(outline), Some(carried));
         } else {
             // A file holds trimmed panels or whole strips: beside trimmed ones these end where their patches do.
@@ -160,7 +156,7 @@ fn cut(
     strip: u32,
     certificate: &PointCertificate,
     near: f64,
-) -> Option<(ScanOutline, Vec<CarriedLoop>)> {
+) -> Option<Cut> {
     let own = certificate.places().iter().zip(certificate.bounds()).filter(|(p, b)| p.0 == strip && **b <= near);
     let places: Vec<[f64; 2]> = own.map(|((_, u, v), _)| [f64::from(*u), f64::from(*v)]).collect();
     let points: Vec<Vec2> = places.iter().map(|q| shown.flat(q)).collect();
@@ -172,7 +168,7 @@ fn cut(
         shown.carried(&places.into_iter().zip(sharp(l)).collect::<Vec<_>>(), true)
     });
     let carried = carried.collect::<Option<Vec<_>>>()?;
-    Some((found, carried))
+    Some(Cut::At(found, carried))
 }
 
 /// The border of facets, in the plane and on the patch of their strip. `None` where they are no sheet with one border there.
@@ -182,7 +178,7 @@ fn cut_mesh(
     (cloud, facets): (&Cloud, &[u32]),
     bulge: f64,
     control: &Control,
-) -> Option<(ScanOutline, Vec<CarriedLoop>)> {
+) -> Option<Cut> {
     let triangles: Vec<[u32; 3]> = facets.iter().map(|&f| cloud.triangles[f as usize]).collect();
     let corners: Vec<u32> = triangles.iter().flatten().copied().collect::<BTreeSet<u32>>().into_iter().collect();
     let points: Vec<Vec3> = corners.iter().map(|&c| cloud.points[c as usize]).collect();
@@ -198,7 +194,7 @@ fn cut_mesh(
         .map(|(l, drawn)| shown.carried(&l.iter().map(|c| places[c]).zip(sharp(drawn)).collect::<Vec<_>>(), true));
     let carried = carried.collect::<Option<Vec<_>>>()?;
     let outline = ScanOutline { loops: drawn, spacing: 0.0, keeps: [0.0, bulge], closed: 0, stray: 0 };
-    Some((outline, carried))
+    Some(Cut::At(outline, carried))
 }
 
 /// The border of a whole strip; `None` where a rail is a point.
