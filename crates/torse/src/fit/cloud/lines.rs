@@ -1,7 +1,7 @@
 //! Points that lie in lines, as scanners write them that sweep a line over the sheet: how far the lines are apart.
 //!
-//! *Method.* Around some points the nearest ones are looked at: where they lie in a line, the nearest point beside it tells the
-//! distance of the lines. Cells of a cloud must be larger than that, or each knows one line only, and no surface.
+//! *Method.* Around some points the nearest ones are looked at: where they lie in a line, the nearest points on both sides of it tell
+//! the distance of the lines. Cells of a cloud must be larger than that, or each knows one line only, and no surface.
 
 use crate::geom::Vec3;
 use nalgebra::{Matrix3, SymmetricEigen};
@@ -16,10 +16,14 @@ const AROUND: usize = 20;
 const LINE: f64 = 0.05;
 /// Points beside a line are farther from it than so many of its spreads.
 const BESIDE: f64 = 4.0;
+/// Largest ratio of the distances of a line from both of its neighbours.
+const UNEVEN: f64 = 4.0;
+/// Share of the distances found that are no greater than the one that is told: cells should span all.
+const NEARLY_ALL: f64 = 0.9;
 /// Share of the looks that must find a line.
 const MOST: f64 = 0.7;
 
-/// Distance (mm) of neighbouring lines in which points lie; `None` where they do not lie in lines.
+/// Distance (mm) of neighbouring lines in which points lie, where it is large; `None` where they do not lie in lines.
 ///
 /// *Cost*: some operations for each point and each of a hundred places.
 pub(super) fn distance_of_lines(points: &[Vec3]) -> Option<f64> {
@@ -32,10 +36,10 @@ pub(super) fn distance_of_lines(points: &[Vec3]) -> Option<f64> {
     }
     let mut found = found;
     found.sort_by(f64::total_cmp);
-    found.get(found.len() / 2).copied()
+    found.get((NEARLY_ALL * found.len() as f64) as usize).copied()
 }
 
-/// Distance of the nearest point beside the line of points around one; `None` where there is no such line.
+/// Distance of the farther of both lines beside the line of points around one; `None` where there is no such line.
 fn beside(points: &[Vec3], p: &Vec3) -> Option<f64> {
     let mut by_distance: Vec<(f64, u32)> = points.iter().zip(0..).map(|(q, i)| ((q - p).norm_squared(), i)).collect();
     let count = AROUND.min(by_distance.len().checked_sub(1)?);
@@ -58,8 +62,13 @@ fn beside(points: &[Vec3], p: &Vec3) -> Option<f64> {
         let aside = (d - direction * ahead).norm();
         aside > off && aside > ahead.abs()
     };
-    let nearest = points.iter().filter(abreast).map(|q| (q - middle).norm_squared()).fold(f64::INFINITY, f64::min);
-    nearest.is_finite().then(|| nearest.sqrt())
+    let nearest = |a: &Vec3, b: &Vec3| a.norm_squared().total_cmp(&b.norm_squared());
+    let first = points.iter().filter(abreast).map(|q| q - middle).min_by(nearest)?;
+    let across = |d: &Vec3| d.dot(&first) < 0.0;
+    let other = points.iter().filter(abreast).map(|q| q - middle).filter(across).min_by(nearest);
+    // Beyond the last line there is none, or another part of the sheet.
+    let own = first.norm();
+    Some(other.map(|d| d.norm()).filter(|d| *d < UNEVEN * own).map_or(own, |d| d.max(own)))
 }
 
 #[cfg(test)]

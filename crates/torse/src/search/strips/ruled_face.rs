@@ -170,3 +170,28 @@ pub(crate) fn reached(strips: &[Strip]) -> Vec<(String, SplineSize)> {
     let size = |s: &Strip| SplineSize { degree: [s.patch.knots_u.degree(), 1], control: [count(s), 2] };
     strips.iter().map(|s| (s.name.clone(), size(s))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::cone_strip::tests::slanting;
+    use super::*;
+    use crate::brep::face::TrimLoop;
+
+    #[test]
+    fn borders_of_parts_of_a_face_end_at_rulings_and_holes_are_not_cut() {
+        let mut face = slanting();
+        let ring = |k: u32| (f64::from(k) * -std::f64::consts::TAU / 32.0).sin_cos();
+        let points: Vec<[f64; 2]> = (0..32).map(ring).map(|(s, c)| [0.4 + 0.05 * c, 0.625 + 0.04 * s]).collect();
+        face.loops.push(TrimLoop { edge: vec![9; points.len()], points });
+        let given = GivenFace::of(&face, "f", 81, 0.1).expect("a ruled face");
+        let loops = |range: Range<usize>| given.border(&range, 0.01).map(|b| b.len());
+        // Rulings run from u = 0.2 to 1, a hundredth from each other; the hole lies between 0.35 and 0.45.
+        assert_eq!((loops(0..81), loops(0..41), loops(30..81)), (Some(2), Some(2), Some(1)));
+        assert_eq!((loops(0..21), loops(20..81)), (None, None));
+        let part = given.border(&(30..81), 0.01).expect("a border");
+        let cut = face.surface.point(0.5, 0.6);
+        let near = part[0].iter().map(|p| (p - cut).norm()).fold(f64::INFINITY, f64::min);
+        let others = part[0].iter().map(|p| (p - face.surface.point(0.2, 0.7)).norm()).fold(f64::INFINITY, f64::min);
+        assert!(near < 5.0 && others > 20.0, "{near} {others}");
+    }
+}
