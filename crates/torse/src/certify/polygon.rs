@@ -43,8 +43,12 @@ pub(super) struct Sides<'a> {
 /// Sides that run along a line of the box within this share of their coordinates are not cut there: the cut would be uncertain.
 const ALONG: f64 = 1e-6;
 
-/// What of a segment that meets a box lies in it, or a little more; rounding moves ends by less than ten digits of the segment.
-fn clipped([p, q]: [[f64; 2]; 2], box_: &[Interval; 2]) -> [[f64; 2]; 2] {
+/// Share of the coordinates of a segment by which rounding may move the ends of [`clipped`], at most: ten digits are lost where a
+/// line of the box crosses it as askew as [`ALONG`] allows, of some sixteen, and others add nothing to that.
+pub(super) const ROUNDED: f64 = 1e-9;
+
+/// What of a segment that meets a box lies in it, or a little more, up to rounding.
+pub(super) fn clipped([p, q]: [[f64; 2]; 2], box_: &[Interval; 2]) -> [[f64; 2]; 2] {
     let (mut s, mut t) = (0.0f64, 1.0f64);
     for d in 0..2 {
         let way = q[d] - p[d];

@@ -53,8 +53,13 @@ pub(crate) fn through(chain: &[Vec2], chord: f64) -> Vec<Vec<Vec2>> {
         let (p, q) = (chain[i] - chain[i - 1], chain[i + 1] - chain[i]);
         (p * (q.norm() / p.norm()) + q * (p.norm() / q.norm())).try_normalize(0.0)
     };
-    let tangents: Vec<Option<Vec2>> = smooth.iter().enumerate().map(|(i, s)| if *s { tangent(i) } else { None }).collect();
-    chain.windows(2).zip(tangents.windows(2)).map(|(ends, tangents)| stretch([ends[0], ends[1]], [tangents[0], tangents[1]], chord)).collect()
+    let tangents: Vec<Option<Vec2>> =
+        smooth.iter().enumerate().map(|(i, s)| if *s { tangent(i) } else { None }).collect();
+    chain
+        .windows(2)
+        .zip(tangents.windows(2))
+        .map(|(ends, tangents)| stretch([ends[0], ends[1]], [tangents[0], tangents[1]], chord))
+        .collect()
 }
 
 /// Points of a cubic between two points, without these. A missing tangent is that of a circle.
@@ -100,7 +105,8 @@ mod tests {
     fn corners_and_ends_that_jump_to_and_fro_are_joined_straight() {
         let steps: Vec<Vec2> = (0..9).map(|k| Vec2::new(10.0 * k as f64, if k % 2 == 0 { 0.0 } else { 1.5 })).collect();
         assert!(through(&steps, 0.001).iter().all(Vec::is_empty));
-        let corner: Vec<Vec2> = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [20.0, 10.0], [20.0, 20.0]].map(Vec2::from).to_vec();
+        let corner: Vec<Vec2> =
+            [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [20.0, 10.0], [20.0, 20.0]].map(Vec2::from).to_vec();
         assert!(through(&corner, 0.001).iter().all(Vec::is_empty));
     }
 }

@@ -252,7 +252,8 @@ impl<'a> Ground<'a> {
         let speeds = [length(&jet.du).hi, length(&jet.dv).hi];
         let way = region.beside(image, &places, speeds)?;
         // The way ends in what counts, which is in the domain; it begins in the image.
-        let along = [0, 1].map(|d: usize| Interval::new(image[d].lo - way[d], image[d].hi + way[d]).intersect(domain[d]));
+        let along =
+            [0, 1].map(|d: usize| Interval::new(image[d].lo - way[d], image[d].hi + way[d]).intersect(domain[d]));
         let over = face.tensor.over([along[0]?, along[1]?]).affine();
         let paid = Interval::point(way[0]) * length(&over.du) + Interval::point(way[1]) * length(&over.dv);
         Some(paid.hi)

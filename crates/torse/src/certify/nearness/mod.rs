@@ -30,8 +30,8 @@ use rayon::prelude::*;
 
 /// The bound may exceed the greatest distance seen by this share of it, or by this share of the tolerance.
 const EXCESS: (f64, f64) = (0.03, 0.01);
-/// Where one place stands for a cell, as along the border of trimmed faces, a bound below this share of the tolerance will do:
-/// it is as large as the cell, and there are as many cells as it is sharp.
+/// Along the border of trimmed faces, where one place may stand for a cell, a bound below this share of the tolerance will do:
+/// it may be as large as the cell, and there are as many cells as it is sharp.
 const ALONE: f64 = 0.25;
 /// Cells looked at beyond those that every piece begins with, at most.
 const MOST_CELLS: usize = 150_000;
@@ -69,7 +69,7 @@ struct Look {
     foot: Option<Foot>,
     /// How much of the bound comes from either direction.
     share: [f64; 2],
-    /// Whether one place stands for the whole cell.
+    /// Whether it passes the border of what counts: one place stands for the whole cell, or the way back is paid for.
     alone: bool,
 }
 
@@ -141,10 +141,7 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
     };
     let (bounded, alone) = match by_map {
         Some((bounded, false)) => (bounded, false),
-        Some((bounded, true)) => match by_place().filter(|p| p.bound < bounded.bound) {
-            Some(place) => (place, true),
-            None => (bounded, false),
-        },
+        Some((bounded, true)) => (by_place().filter(|p| p.bound < bounded.bound).unwrap_or(bounded), true),
         None => match by_place() {
             Some(place) => (place, true),
             None => return Look { foot: Some(foot), alone: true, ..nothing },

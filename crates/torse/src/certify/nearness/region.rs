@@ -1,6 +1,6 @@
 //! What of a surface counts: the part of its parameter plane that closed polygons wind about, with exact predicates \[S97\].
 
-use crate::certify::polygon::Sides;
+use crate::certify::polygon::{Sides, ROUNDED};
 use crate::geom::box_tree::BoxTree;
 use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
@@ -31,8 +31,6 @@ pub(super) struct Region<'a> {
 const STRETCH: f64 = 1.0 / 64.0;
 /// Share of its extent by which a box is made wider on each side, to find what counts near it.
 const WIDER: f64 = 0.5;
-/// Share of coordinates that rounding takes at most where sides are cut and heights are reckoned.
-const ROUNDED: f64 = 1e-9;
 /// Steps to the nearest place of a side from that of its stretch.
 const STEPS: usize = 3;
 
@@ -57,7 +55,13 @@ impl<'a> Region<'a> {
             }
         }
         let tree = BoxTree::new(stretches.len(), &|k| BBox::of(stretches[k].ends.iter()));
-        (!stretches.is_empty()).then(|| Self { polygons, sides: Sides::of(polygons), reach: (u1 - u0).max(v1 - v0), stretches, tree })
+        (!stretches.is_empty()).then(|| Self {
+            polygons,
+            sides: Sides::of(polygons),
+            reach: (u1 - u0).max(v1 - v0),
+            stretches,
+            tree,
+        })
     }
 
     /// Whether all of a box is surely inside.

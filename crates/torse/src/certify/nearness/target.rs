@@ -100,13 +100,7 @@ pub(crate) fn panels_from_faces(
     Some(from_faces(&own, faces, origin, tolerance, control))
 }
 
-fn from_faces(
-    own: &[Surfaces],
-    faces: &[Face],
-    origin: [f64; 3],
-    tolerance: f64,
-    control: &Control,
-) -> TargetDistance {
+fn from_faces(own: &[Surfaces], faces: &[Face], origin: [f64; 3], tolerance: f64, control: &Control) -> TargetDistance {
     let polygons: Vec<Vec<Vec<[f64; 2]>>> = faces
         .iter()
         .map(|f| if is_whole(f) { Vec::new() } else { f.loops.iter().map(|l| l.points.clone()).collect() })

@@ -91,7 +91,10 @@ mod tests {
         let flat = |k: i32| {
             let (x, z) = (f64::from(k), 0.01 * f64::from(k - 4).powi(2));
             let x = if k < 5 { x } else { x + 60.0 };
-            [Vec3::new(x, 0.0, if k < 5 { z } else { 0.01 * f64::from(k - 5).powi(2) }), Vec3::new(x, 50.0, if k < 5 { z } else { 0.01 * f64::from(k - 5).powi(2) })]
+            [
+                Vec3::new(x, 0.0, if k < 5 { z } else { 0.01 * f64::from(k - 5).powi(2) }),
+                Vec3::new(x, 50.0, if k < 5 { z } else { 0.01 * f64::from(k - 5).powi(2) }),
+            ]
         };
         let bends: Vec<[Vec3; 2]> = (0..10).map(flat).collect();
         assert_eq!((gaps(&bends).len(), groups(&bends, 0.5).len()), (1, 1));

@@ -80,8 +80,8 @@ impl Ends {
         let strips: Vec<Strip> = ended.panels.iter().map(|p| p.strip.clone()).collect();
         let places = points(&strips, &given.points, control);
         let measured = Measured { points: &given.points, triangles: &given.triangles, places: &places };
-        // Bounds of the way back need not be sharper than what outlines keep to.
-        let within = ended.keeps.iter().flatten().map(|k| k[1]).fold(tolerance, f64::max);
+        // Bounds of the way back need not be much sharper than what outlines keep to.
+        let within = ended.keeps.iter().flatten().map(|k| SHARP * k[1]).fold(tolerance, f64::max);
         let proofs = trimmed(&ended.panels, &measured, within, control);
         let mut out = Vec::new();
         let rulings = self.faces.is_empty();
@@ -101,7 +101,10 @@ impl Ends {
             }
             if rulings {
                 let worst = proof.worst().and_then(|i| given.points.get(i).copied());
-                out.extend(of_panel(k, ended.keeps.get(k).copied().flatten(), proof, worst, tolerance).map(|(c, r)| c.because(told(r))));
+                out.extend(
+                    of_panel(k, ended.keeps.get(k).copied().flatten(), proof, worst, tolerance)
+                        .map(|(c, r)| c.because(told(r))),
+                );
             }
         }
         out.extend(self.of_faces(&ended.panels, tolerance, control));
@@ -120,7 +123,8 @@ impl Ends {
             let bound = found.map_or(UpperBound::UNKNOWN, |f| f.there.max(f.back));
             worst = worst.max(bound);
             let seen = found.map(|f| (f.seen, f.place));
-            let reason = Reason::of(Item::Named(panel.strip.name.clone()), StripReason::FromFace { within: tolerance, seen });
+            let reason =
+                Reason::of(Item::Named(panel.strip.name.clone()), StripReason::FromFace { within: tolerance, seen });
             let claim = |k: usize| Claim::at_most(What::FaceDistance, Subject::Panel(k), bound).within(tolerance);
             out.push(claim(*first).because(reason));
             out.extend(own.iter().skip(1).map(|p| claim(p.0)));
@@ -181,6 +185,8 @@ fn of_panel(
     [(beyond, far), (reached, farther)].into_iter()
 }
 
+/// Share of what outlines keep to below which distances from the stretches between rulings are not told apart.
+const SHARP: f64 = 0.6;
 /// What bounds of the ends may exceed by what outlines are made to keep to, as a share: a bound is up to a tenth above the
 /// distance, and chords of the outline take a little.
 const SLACK: f64 = 0.15;

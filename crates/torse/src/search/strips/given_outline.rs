@@ -56,7 +56,13 @@ pub(super) enum Cut {
 }
 
 /// The outline of a strip in the plane and on its patch. `None` where the border is none on the strip.
-pub(super) fn cut(shown: &Shown, strip: &Strip, border: &GivenBorder, tolerance: f64, control: &Control) -> Option<Cut> {
+pub(super) fn cut(
+    shown: &Shown,
+    strip: &Strip,
+    border: &GivenBorder,
+    tolerance: f64,
+    control: &Control,
+) -> Option<Cut> {
     let (loops, off) = match border {
         GivenBorder::Rulings(all) => {
             let (outline, beside) = around(shown, strip, all, control)?;
@@ -83,9 +89,10 @@ pub(super) fn cut(shown: &Shown, strip: &Strip, border: &GivenBorder, tolerance:
     if flat.len() == 1 && ends_there(shown, &flat[0], ENDS * tolerance) {
         return Some(Cut::Whole(keeps));
     }
-    let carried = loops.iter().zip(&flat).map(|(places, flat)| {
-        shown.carried(&places.iter().copied().zip(sharp(flat)).collect::<Vec<_>>(), true)
-    });
+    let carried = loops
+        .iter()
+        .zip(&flat)
+        .map(|(places, flat)| shown.carried(&places.iter().copied().zip(sharp(flat)).collect::<Vec<_>>(), true));
     let carried = carried.collect::<Option<Vec<_>>>()?;
     Some(Cut::At(ScanOutline { loops: flat, spacing: 0.0, keeps, closed: 0, stray: 0 }, carried))
 }

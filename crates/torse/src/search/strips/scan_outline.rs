@@ -151,12 +151,7 @@ pub(crate) fn outlined(
 }
 
 /// The outline of the points that lie on a strip, in the plane and on its patch.
-fn cut(
-    shown: &Shown,
-    strip: u32,
-    certificate: &PointCertificate,
-    near: f64,
-) -> Option<Cut> {
+fn cut(shown: &Shown, strip: u32, certificate: &PointCertificate, near: f64) -> Option<Cut> {
     let own = certificate.places().iter().zip(certificate.bounds()).filter(|(p, b)| p.0 == strip && **b <= near);
     let places: Vec<[f64; 2]> = own.map(|((_, u, v), _)| [f64::from(*u), f64::from(*v)]).collect();
     let points: Vec<Vec2> = places.iter().map(|q| shown.flat(q)).collect();

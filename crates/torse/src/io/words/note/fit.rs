@@ -74,7 +74,9 @@ fn gap([apart, usual]: [f64; 2], at: &[Vec3; 2], count: usize, bulge: Option<f64
     };
     let across = bulge.map_or_else(
         || "No strip lies there".into(),
-        |b| format!("The strip goes on across them, {} beside the straight stretch between both (estimated)", length(b)),
+        |b| {
+            format!("The strip goes on across them, {} beside the straight stretch between both (estimated)", length(b))
+        },
     );
     format!(
         "Two neighbouring rulings are {} apart, around {} and {}; usual are {}. {across}: nothing is given there. Rulings of two \
