@@ -1,6 +1,7 @@
 //! Where rulings leave much more room between two neighbours than elsewhere, and the groups that belong to sheets of their own.
 
 use super::given::FEWEST;
+use super::ruling_order::ordered;
 use crate::geom::Vec3;
 
 /// Distance of neighbours that is told of, in median distances: rulings of one sheet lie closer where it bends more.
@@ -56,6 +57,16 @@ pub(crate) fn groups(row: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
     }
     out.push(row[from..].to_vec());
     out
+}
+
+/// Rulings in order, in groups that belong to sheets of their own: see [`groups`].
+pub(crate) fn sheets(rulings: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
+    let usable = rulings.iter().flatten().all(|p| p.iter().all(|x| x.is_finite()));
+    if usable {
+        groups(&ordered(rulings), tolerance)
+    } else {
+        vec![rulings.to_vec()]
+    }
 }
 
 /// Whether the stretch after a ruling is plane with both of its neighbours, as far as the tolerance shows.

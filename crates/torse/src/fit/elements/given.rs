@@ -1,7 +1,6 @@
 //! Rulings and planes as they are given: in order, with tangent planes \[PW99, 4.3\], without those that the others do not
 //! agree with.
 
-use super::gaps::groups;
 use super::outliers::{outliers, MOST};
 use super::ruling_order::ordered;
 use crate::fit::planes::estimates::{
@@ -52,16 +51,6 @@ pub(crate) fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Ve
         Err(_) => {}
     }
     Ok(out)
-}
-
-/// Rulings in order, in groups that belong to sheets of their own: see [`groups`].
-pub(crate) fn sheets(rulings: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
-    let usable = rulings.iter().flatten().all(|p| p.iter().all(|x| x.is_finite()));
-    if usable {
-        groups(&ordered(rulings), tolerance)
-    } else {
-        vec![rulings.to_vec()]
-    }
 }
 
 /// Turns the normals of rulings square to them: a plane that is kept must hold its ruling.

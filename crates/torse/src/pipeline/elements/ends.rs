@@ -1,6 +1,5 @@
 //! Where strips of rulings and faces end, what is proven of that, and what is said of it.
 
-use super::judged::Sort;
 use crate::answer::note::{FitNote, Note};
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
@@ -135,13 +134,13 @@ impl Ends {
         out
     }
 
-    /// What is said of where strips end, and of wide stretches between rulings.
-    pub fn notes(&self, ended: &Ended, sort: Sort, control: &Control) -> Vec<Note> {
+    /// What is said of where strips end and, where `rulings` are given, of wide stretches between them.
+    pub fn notes(&self, ended: &Ended, rulings: bool, control: &Control) -> Vec<Note> {
         let mut out = Vec::new();
         if !self.is_open() && !ended.panels.is_empty() {
             out.push(FitNote::Given { faces: !self.faces.is_empty(), whole: ended.whole.clone() });
         }
-        if matches!(sort, Sort::Rulings) {
+        if rulings {
             out.extend(self.gaps(ended, control));
         }
         out.into_iter().map(Note::Fit).collect()

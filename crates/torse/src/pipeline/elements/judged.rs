@@ -126,7 +126,7 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
     notes.extend(became.into_iter().map(FitNote::Face).map(Note::Fit));
     notes.extend(broken.into_iter().map(Note::Broken));
     notes.extend((!ends.of_faces_only()).then_some(Note::Fit(FitNote::At(sort.counted()))));
-    notes.extend(ends.notes(&ended, sort, control));
+    notes.extend(ends.notes(&ended, matches!(sort, Sort::Rulings), control));
     notes.extend((strips.len() > 1).then_some(Note::Unjoined));
     Answer {
         claims,
