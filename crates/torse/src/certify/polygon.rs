@@ -38,6 +38,7 @@ pub(super) struct Sides<'a> {
     low: f64,
     scale: f64,
     rows: Vec<Vec<(u32, u32)>>,
+    turn: f64,
 }
 
 /// Sides that run along a line of the box within this share of their coordinates are not cut there: the cut would be uncertain.
@@ -79,7 +80,11 @@ impl<'a> Sides<'a> {
         let all = || polygons.iter().flatten().map(|p| p[1]);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
         let scale = if high > low { ROWS as f64 / (high - low) } else { 0.0 };
-        let mut out = Self { polygons, low, scale, rows: vec![Vec::new(); ROWS] };
+        let doubled = |p: &Vec<[f64; 2]>| -> f64 {
+            (0..p.len()).map(|k| (p[k], p[(k + 1) % p.len()])).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+        };
+        let turn = if polygons.iter().map(doubled).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+        let mut out = Self { polygons, low, scale, rows: vec![Vec::new(); ROWS], turn };
         for (l, polygon) in polygons.iter().enumerate() {
             for k in 0..polygon.len() {
                 let (a, b) = (out.row(polygon[k][1]), out.row(polygon[(k + 1) % polygon.len()][1]));
@@ -110,15 +115,7 @@ impl<'a> Sides<'a> {
 
     /// 1 if the polygons wind about what is in them counter-clockwise, −1 if clockwise.
     pub fn turn(&self) -> f64 {
-        let side = |p: &[[f64; 2]], k: usize| (p[k], p[(k + 1) % p.len()]);
-        let area = |p: &Vec<[f64; 2]>| -> f64 {
-            (0..p.len()).map(|k| side(p, k)).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
-        };
-        if self.polygons.iter().map(area).sum::<f64>() < 0.0 {
-            -1.0
-        } else {
-            1.0
-        }
+        self.turn
     }
 
     /// Whether a side may meet a box, see [`meets`].

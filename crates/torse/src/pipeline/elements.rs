@@ -13,7 +13,7 @@ use crate::geom::coarse::{is_tolerance, Coarse, Loose};
 use crate::geom::BBox;
 use crate::io::words;
 use crate::reason::{Item, JobReason, Reason};
-use crate::search::strips::rows::{strips_of_row, Row};
+use crate::search::strips::rows::{strips_of_face, strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
 use crate::search::trims::trims_judged;
 use crate::torse::contact::{orient, ContactElement, Given};
@@ -176,15 +176,15 @@ fn run(
     }
     options.limits.as_ref().map_or(Ok(()), RegressionLimits::check)?;
     Loose::check(extent(&rows), options.tolerance)?;
-    let (asked, asked_of_faces) = (options.asked(), options.asked_of_faces());
+    let asked = options.asked();
     let mut made = Made { skipped, ..Made::default() };
     let count = rows.len();
     for (k, mut row) in rows.into_iter().enumerate() {
         checked(&mut row, options)?;
         control.report("fitting", k as f64 / count as f64, row.name.clone());
         let left = options.max_strips.saturating_sub(made.strips.len());
-        let asked = if row.face.is_some() { &asked_of_faces } else { &asked };
-        let mut found = strips_of_row(&mut row, left, asked, control);
+        let strips = if row.face.is_some() { strips_of_face } else { strips_of_row };
+        let mut found = strips(&mut row, left, &asked, control);
         let offset = made.all.len();
         for (i, strip) in found.strips.iter_mut().enumerate() {
             strip.name = format!("A-{:02}", made.strips.len() + i + 1);

@@ -145,6 +145,8 @@ fn is_whole(face: &Face) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::face::TrimLoop;
+    use crate::patchwork::panel::{Border, Coedge};
     use crate::spline::curve::Curve;
     use crate::spline::knots::Knots;
     use crate::torse::form::PanelKind;
@@ -217,6 +219,43 @@ mod tests {
         let found = found(&strip(0.0), Target::Faces(&cut));
         assert!(found.there.value() >= 0.2 && found.there.value() < 0.5, "{found:?}");
         assert!(found.back.value() >= 0.05 && found.back.value() < 0.06, "{found:?}");
+    }
+
+    #[test]
+    fn long_borders_along_each_other_are_bounded_as_sharply_as_insides() {
+        let mut cut = [face(0.05, 5000.0)];
+        let hole = |k: u32| (f64::from(k) * -std::f64::consts::TAU / 64.0).sin_cos();
+        let ring: Vec<[f64; 2]> = (0..64).map(hole).map(|(s, c)| [0.5 + 0.1 * c, 0.5 + 0.3 * s]).collect();
+        let polygons = [vec![[0.01, 0.02], [0.97, 0.05], [0.99, 0.98], [0.02, 0.9]], ring];
+        let outline = polygons.iter().map(|corners| {
+            let control: Vec<[f64; 2]> = corners.iter().chain(corners.first()).copied().collect();
+            let at: Vec<f64> = (0..control.len()).map(|k| k as f64 / (control.len() - 1) as f64).collect();
+            let knots = Knots::clamped(1, &at).expect("knots");
+            let edge = control.iter().map(|q| [5000.0 * q[0], 30.0 * q[1], 0.0]).collect();
+            vec![Coedge {
+                border: Border::Trim { edge: 0 },
+                vertices: Vec::new(),
+                parameters: Vec::new(),
+                edge: Curve { knots: knots.clone(), control: edge },
+                trim: Curve { knots, control },
+            }]
+        });
+        let side = |y: f64| {
+            let ends = vec![[0.0, y, 0.0], [5000.0, y, 0.0]];
+            Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], ends).expect("a curve")
+        };
+        let strip = Strip::polynomial("s", PanelKind::Plane, &side(0.0), &side(30.0)).expect("a strip");
+        let panel = Panel { outline: outline.collect(), ..Panel::from(strip) };
+        cut[0].loops[0].points.clone_from(&polygons[0]);
+        cut[0].loops.push(TrimLoop { points: polygons[1].clone(), edge: vec![1; 64] });
+        let found = |faces: &[Face]| panels_from_faces(&[&panel], faces, 0.1, &Control::default()).expect("polygons");
+        let along = found(&cut);
+        assert!(along.there.value() >= 0.05 && along.there.value() < 0.06, "{along:?}");
+        assert!(along.back.value() >= 0.05 && along.back.value() < 0.06, "{along:?}");
+        // A larger hole in the face: the panel reaches into it by 5 at its sides.
+        cut[0].loops[1].points.iter_mut().for_each(|p| p[0] = 0.5 + 1.01 * (p[0] - 0.5));
+        let reach = found(&cut);
+        assert!(reach.there.value() > 1.0 && reach.back.value() < 0.06, "{reach:?}");
     }
 
     #[test]

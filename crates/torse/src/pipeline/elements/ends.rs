@@ -16,7 +16,7 @@ use crate::search::strips::cut::Laid;
 use crate::search::strips::given_outline::GivenBorder;
 use crate::search::strips::rows::RowStrips;
 use crate::search::strips::ruled_face::GivenFace;
-use crate::search::strips::scan_outline::{outlined, Ended, Followed, CHORD};
+use crate::search::strips::scan_outline::{outlined, Ended, Followed, GIVEN_CHORD};
 use crate::torse::strip::Strip;
 use std::ops::Range;
 
@@ -36,7 +36,7 @@ impl Ends {
     pub fn add(&mut self, found: &RowStrips, face: Option<&GivenFace>, tolerance: f64) {
         let first = self.borders.len();
         let border = |range: &Range<usize>| match face {
-            Some(face) => face.border(range, CHORD * tolerance).map(GivenBorder::Face),
+            Some(face) => face.border(range, GIVEN_CHORD * tolerance).map(GivenBorder::Face),
             None => found.elements.get(range.clone()).and_then(GivenBorder::of),
         };
         self.borders.extend(found.ranges.iter().map(border));

@@ -36,10 +36,6 @@ pub struct ElementFitOptions {
 /// Angle (rad) between given and fitted tangent planes that is allowed where nothing else is said: 5°.
 const ASIDE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
-/// Share of the tolerance that strips of faces may use at the rulings: what lies between these and along the border, and what
-/// proofs exceed distances by, needs the rest.
-const AT_RULINGS: f64 = 0.8;
-
 impl ElementFitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
@@ -55,11 +51,6 @@ impl ElementFitOptions {
             plane_angle: ASIDE,
             drawn: Drawn::default(),
         }
-    }
-
-    /// As [`Self::asked`], of faces.
-    pub(super) fn asked_of_faces(&self) -> RowsAsked {
-        RowsAsked { tolerance: AT_RULINGS * self.tolerance, ..self.asked() }
     }
 
     /// What strips of rows must be like.

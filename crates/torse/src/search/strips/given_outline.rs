@@ -21,6 +21,8 @@ pub(crate) enum GivenBorder {
 
 /// Share of the tolerance within which a whole strip ends where it should: its smooth edges stay then.
 const ENDS: f64 = 0.3;
+/// Gauss–Newton steps to the last digits.
+const STEPS: usize = 3;
 /// Places along each border of a strip at which that is looked at.
 const LOOKS: usize = 512;
 /// Shares of rulings at which the sheet between two of them is compared with straight lines.
@@ -101,7 +103,27 @@ pub(super) fn cut(
 fn places(strip: &Strip, x: &[Vec3], control: &Control) -> Vec<[f64; 2]> {
     let on = points(std::slice::from_ref(strip), x, control);
     let (a, b) = strip.domain();
-    on.places().iter().map(|(_, u, v)| [f64::from(*u).clamp(a, b), f64::from(*v).clamp(0.0, 1.0)]).collect()
+    let near = |(_, u, v): &(u32, f32, f32)| [f64::from(*u).clamp(a, b), f64::from(*v).clamp(0.0, 1.0)];
+    on.places().iter().zip(x).map(|(place, x)| foot(strip, x, near(place))).collect()
+}
+
+/// The place of a strip nearest to a point from one that is known to seven digits.
+fn foot(strip: &Strip, x: &Vec3, mut at: [f64; 2]) -> [f64; 2] {
+    let (from, to) = strip.domain();
+    for _ in 0..STEPS {
+        let j = strip.patch.jet(at[0], at[1]);
+        let w = x - j.p;
+        let (a, b, c) = (j.du.norm_squared(), j.du.dot(&j.dv), j.dv.norm_squared());
+        let (p, q) = (w.dot(&j.du), w.dot(&j.dv));
+        let next = [at[0] + (c * p - b * q) / (a * c - b * b), at[1] + (a * q - b * p) / (a * c - b * b)];
+        let next = [next[0].clamp(from, to), next[1].clamp(0.0, 1.0)];
+        let nearer = (x - strip.patch.point(next[0], next[1])).norm_squared() < w.norm_squared();
+        if !nearer {
+            break;
+        }
+        at = next;
+    }
+    at
 }
 
 /// A closed loop through the ends of rulings, as places of a strip: curved where the ends lie on curves. And how far it lies

@@ -48,6 +48,34 @@ pub(crate) struct Row {
     pub face: Option<GivenFace>,
 }
 
+/// Shares of the tolerance that strips of faces may use at the rulings, in turn: what lies between these and along the border, and
+/// what proofs exceed distances by, needs the rest.
+const AT_RULINGS: [f64; 3] = [0.8, 0.5, 0.25];
+/// Share of the tolerance that they may be off between the rulings.
+const OFF_BETWEEN: f64 = 0.9;
+
+/// As [`strips_of_row`] for the row of a face: nearer at its rulings until they are near between them, too.
+pub(crate) fn strips_of_face(row: &mut Row, most: usize, options: &RowsAsked, control: &Control) -> RowStrips {
+    let estimates = row.estimates.clone();
+    let mut best: Option<RowStrips> = None;
+    for share in AT_RULINGS {
+        row.estimates.clone_from(&estimates);
+        let asked = RowsAsked { tolerance: share * options.tolerance, ..options.clone() };
+        let found = strips_of_row(row, most, &asked, control);
+        let off = row.face.as_ref().map_or(0.0, |f| f.off_between(&found.strips, control));
+        let near = off <= OFF_BETWEEN * options.tolerance;
+        // Finer attempts that miss rulings are none.
+        if best.is_some() && !(near && found.missed.is_empty()) {
+            continue;
+        }
+        best = Some(found);
+        if near || control.stopped() {
+            break;
+        }
+    }
+    best.unwrap_or_else(|| strips_of_row(row, most, options, control))
+}
+
 /// Strips of one row.
 pub(crate) struct RowStrips {
     /// The strips.

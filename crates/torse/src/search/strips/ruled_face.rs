@@ -4,7 +4,9 @@ use super::cone_outline::PlaneOutline;
 use super::cone_strip::ruled;
 use super::fewest::count;
 use crate::brep::face::Face;
+use crate::certify::points::points;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
+use crate::control::Control;
 use crate::fit::elements::given::NARROW;
 use crate::geom::Vec3;
 use crate::reason::FaceReason;
@@ -40,12 +42,16 @@ pub(crate) struct GivenFace {
     pub strip: Option<Strip>,
     /// Degrees and control points.
     pub size: SplineSize,
+    /// Places half way between neighbouring rulings.
+    between: Vec<Vec3>,
     /// Its border where u selects the ruling.
     outline: PlaneOutline,
     /// The parameter u of every ruling of the row.
     at: Vec<f64>,
 }
 
+/// Shares of rulings at which strips are compared with the face between its rulings.
+const BETWEEN: [f64; 3] = [0.0, 0.5, 1.0];
 /// Sides of the border are cut in so many parts before it is looked whether that is enough, …
 const PARTS: usize = 4;
 /// … and these in halves, so often at most.
@@ -60,6 +66,12 @@ impl GivenFace {
         let (patch, outline) = ruled(face, tolerance)?;
         let (a, b) = patch.domain();
         let last = rulings.max(2) - 1;
+        let middle = |k: usize| {
+            let jet = patch.jet(a + (b - a) * (k as f64 + 0.5) / last as f64);
+            let [p, q] = jet.ends.map(|e| e[0]);
+            BETWEEN.map(|s| p + (q - p) * s)
+        };
+        let between = (0..last).flat_map(middle).collect();
         let (at, row) = (0..=last)
             .filter_map(|k| {
                 let u = a + (b - a) * k as f64 / last as f64;
@@ -79,7 +91,7 @@ impl GivenFace {
                     || regular(s, &RegressionLimits::default()) == RegressionVerdict::Clear)
         };
         let strip = Strip::between(name, PanelKind::Torse, lower, upper).ok().filter(developable);
-        Ok(Self { face: face.clone(), row, strip, size, outline, at })
+        Ok(Self { face: face.clone(), row, strip, size, between, outline, at })
     }
 
     /// The border of what some rulings of the row cover of the face, as closed loops of places in space whose chords lie within
@@ -103,6 +115,11 @@ impl GivenFace {
             out.push(places);
         }
         (!out.is_empty()).then_some(out)
+    }
+
+    /// How far strips are from the face half way between the rulings of its row, mm, sampled.
+    pub fn off_between(&self, strips: &[Strip], control: &Control) -> f64 {
+        points(strips, &self.between, control).worst_bound().value()
     }
 
     /// Places along a side of the border, without its end.

@@ -56,7 +56,9 @@ impl Ended {
 }
 
 /// Share of the tolerance by which chords of outlines may lie beside the strips.
-pub(crate) const CHORD: f64 = 0.02;
+const CHORD: f64 = 0.02;
+/// The same where rulings or faces are given: their borders are longer curves than those of points.
+pub(crate) const GIVEN_CHORD: f64 = 0.05;
 
 /// What outlines follow.
 #[derive(Clone, Copy)]
@@ -79,7 +81,7 @@ pub(crate) fn outlined(
     tolerance: f64,
     control: &Control,
 ) -> Ended {
-    let chord = CHORD * tolerance;
+    let chord = tolerance * if matches!(followed, Followed::Given(_)) { GIVEN_CHORD } else { CHORD };
     let mut loops: Vec<Option<Vec<CarriedLoop>>> = vec![None; strips.len()];
     let mut found: Vec<Option<ScanOutline>> = vec![None; strips.len()];
     let mut there: Vec<Option<[f64; 2]>> = vec![None; strips.len()];
