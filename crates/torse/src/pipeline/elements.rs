@@ -32,8 +32,8 @@ mod tests;
 /// Fits developable strips to rulings or tangent planes.
 ///
 /// *Input*: rulings in any order; planes in order along the surface. *Result*: certified if every element is proven to
-/// lie within the tolerance; otherwise those that are not are counted and the worst is named. Nothing is proven between
-/// the elements.
+/// lie within the tolerance; otherwise those that are not are counted and the worst is named. Strips end where
+/// rulings end. Nothing is proven between the elements.
 ///
 /// # Errors
 /// See [`ElementFitError`].
@@ -127,7 +127,7 @@ fn shortened(given: &Given, out: &[(usize, ContactElement)]) -> Option<FitNote> 
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
-/// cubic splines within the tolerance at its rulings. Faces that are not ruled developables are named as skipped.
+/// cubic splines that end at its border, within the tolerance both ways. Faces that are not ruled developables are named as skipped.
 ///
 /// # Errors
 /// See [`ElementFitError`].
