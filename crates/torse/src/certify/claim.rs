@@ -134,8 +134,14 @@ pub enum What {
     ElementDistance,
     /// Angle between the plane given with a ruling and the tangent plane of its strip, degrees.
     ElementAngle,
-    /// How far rulings of strips go on beyond the ends of given ones, mm.
+    /// Distance of a place of the strips, as they are cut, from the stretches between neighbouring given rulings, mm.
     BeyondRulings,
+    /// Distance of the ends of given rulings from the strips as they are cut, mm.
+    EndDistance,
+    /// Two-sided distance between strips, as they are cut, and the faces that they take the place of, mm.
+    FaceDistance,
+    /// Distance between neighbouring given rulings, mm.
+    RulingGap,
     /// Two-sided distance of strips from those that they were made of, mm.
     FromTaken,
     /// Distance of curves from what they were given as, mm.

@@ -13,7 +13,7 @@
 use super::claim::UpperBound;
 use super::edges::edge_bound;
 use super::points::{distance_bound, PointCertificate, Target};
-use super::polygon::{crossing, meets};
+use super::polygon::{clipped, crossing, meets, ROUNDED};
 use super::ruled::{Ruled, RuledJets};
 use super::seams::SeamSide;
 use super::simple::polygons_are_simple;
@@ -345,6 +345,7 @@ impl Region {
                 if control.stopped() {
                     return None;
                 }
+                let cell = if cell.sides.is_empty() { cell } else { cell.shrunk(self, &all) };
                 let middle = [cell.t.mid(), cell.r.mid()];
                 let held = self.holds(middle);
                 if cell.sides.is_empty() && !held {
@@ -446,6 +447,21 @@ impl Cell {
         Look { bound: most, middle, at_middle: (site - middle).norm(), extents }
     }
 
+    /// The cell about what of it is inside: that lies between sides, as far as they are in it, and corners that are inside.
+    fn shrunk(self, region: &Region, all: &[[[f64; 2]; 2]]) -> Self {
+        let corners = [[self.t.lo, self.r.lo], [self.t.lo, self.r.hi], [self.t.hi, self.r.lo], [self.t.hi, self.r.hi]];
+        let held = corners.into_iter().filter(|c| region.holds(*c));
+        let places: Vec<[f64; 2]> =
+            held.chain(self.sides.iter().flat_map(|s| clipped(all[*s], &[self.t, self.r]))).collect();
+        let far = self.sides.iter().flat_map(|s| all[*s]).flatten().map(f64::abs).fold(0.0, f64::max);
+        let range = |d: usize, own: Interval| {
+            let (lo, hi) =
+                places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[d]), h.max(p[d])));
+            Interval { lo: lo - ROUNDED * far, hi: hi + ROUNDED * far }.intersect(own).unwrap_or(own)
+        };
+        Self { t: range(0, self.t), r: range(1, self.r), ..self }
+    }
+
     fn halves(&self, along: bool, all: &[[[f64; 2]; 2]]) -> [Self; 2] {
         let cut = |i: Interval| [Interval::new(i.lo, i.mid()), Interval::new(i.mid(), i.hi)];
         let (t, r) = if along { (cut(self.t), [self.r; 2]) } else { ([self.t; 2], cut(self.r)) };
@@ -457,7 +473,7 @@ impl Cell {
 }
 
 /// The corners of a closed loop of polylines of the parameter plane; `None` if it is none.
-fn polygon(runs: &[Coedge]) -> Option<Vec<[f64; 2]>> {
+pub(super) fn polygon(runs: &[Coedge]) -> Option<Vec<[f64; 2]>> {
     let mut out = Vec::new();
     for (k, run) in runs.iter().enumerate() {
         let (c, before) = (&run.trim.control, &runs[(k + runs.len() - 1) % runs.len()].trim.control);

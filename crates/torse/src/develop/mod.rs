@@ -17,6 +17,7 @@ pub mod refold;
 pub(crate) mod same;
 pub(crate) mod scanned;
 pub mod shop;
+pub(crate) mod smooth_ends;
 pub mod strip;
 pub mod unfold;
 pub mod view;

@@ -20,6 +20,16 @@ use std::collections::{HashMap, HashSet};
 /// Circumradius up to which triangles belong to the sheet, in median circumradii: gaps between points that fell at random
 /// are hardly ever wider, and a notch or a hole of a few spacings is seen.
 const ALPHA: f64 = 4.0;
+/// The same in median circumradii by area of what hangs together: that of the stretches between the lines of a scanner, some of
+/// which are twice as wide as others.
+const LINES: f64 = 2.5;
+/// Share of the area at which a radius is typical, and that at which a side is told as spacing: of points that fell at random the
+/// large triangles have more of the area than of the points.
+const HALF: f64 = 0.5;
+const TOLD: f64 = 0.25;
+/// Steps in which the circumradius grows where points lie in many lines, and by what factor.
+const WIDENED: usize = 12;
+const WIDER: f64 = 1.5;
 /// Radius (in the same measure as [`ALPHA`], times it) of a circle with the area of the smallest hole that is cut out.
 const HOLE: f64 = 1.25;
 /// Share of the median circumradius by which corners may lie off the outline that is drawn.
@@ -55,15 +65,97 @@ pub fn outline(points: &[Vec2]) -> Option<ScanOutline> {
     }
     let sites = taken.iter().map(|p| Point2::new(p.x, p.y)).collect();
     let net = DelaunayTriangulation::<Point2<f64>>::bulk_load(sites).ok()?;
-    let mut radii: Vec<f64> = net.inner_faces().map(|f| f.circumcircle().1.sqrt()).collect();
+    let shapes: Vec<Shape> = net.inner_faces().map(|f| Shape::of(f.positions().map(|p| Vec2::new(p.x, p.y)))).collect();
+    let mut radii: Vec<f64> = shapes.iter().map(|s| s.radius).collect();
     let middle = radii.len() / 2;
     if radii.is_empty() {
         return None;
     }
     let median = *radii.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let alpha = ALPHA * median;
-    let kept: Vec<bool> =
-        net.all_faces().map(|f| f.as_inner().is_some_and(|f| f.circumcircle().1.sqrt() <= alpha)).collect();
+    let mut alpha = wide_enough(&shapes, ALPHA * median);
+    // Lines whose points stray by more than these are apart have most of their triangles inside themselves.
+    for _ in 0..WIDENED {
+        if let Some(found) = outline_at(&net, &taken, (alpha, STRAIGHT * median, left_out)) {
+            let kept = shapes.iter().filter(|s| s.radius <= alpha);
+            let spacing = by_area(kept.map(|s| (s.second, s.area)), TOLD);
+            return Some(ScanOutline { spacing, ..found });
+        }
+        let kept = || shapes.iter().filter(|s| s.radius <= alpha);
+        if !are_lines(&net, alpha, kept().map(|s| s.area).sum()) {
+            return None;
+        }
+        alpha = wide_enough(&shapes, WIDER * alpha);
+    }
+    None
+}
+
+/// What is looked at of a triangle.
+struct Shape {
+    /// Radius of its circumcircle, mm.
+    radius: f64,
+    /// Its second longest side, mm: between points of a grid their distance, between dense lines that of the lines.
+    second: f64,
+    /// Its area, mm².
+    area: f64,
+}
+
+impl Shape {
+    fn of([a, b, c]: [Vec2; 3]) -> Self {
+        let mut sides = [(b - a).norm(), (c - b).norm(), (a - c).norm()];
+        let area = 0.5 * (b - a).perp(&(c - a)).abs();
+        let radius = sides.iter().product::<f64>() / (4.0 * area);
+        sides.sort_by(f64::total_cmp);
+        Self { radius: if radius.is_finite() { radius } else { f64::INFINITY }, second: sides[1], area }
+    }
+}
+
+/// The value below which the triangles that have it or less make up a share of the area.
+fn by_area(values: impl Iterator<Item = (f64, f64)>, share: f64) -> f64 {
+    let mut all: Vec<(f64, f64)> = values.collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let wanted = share * all.iter().map(|v| v.1).sum::<f64>();
+    let mut sum = 0.0;
+    let reached = all.iter().find(|v| {
+        sum += v.1;
+        sum >= wanted
+    });
+    reached.map_or(0.0, |v| v.0)
+}
+
+/// A circumradius up to which triangles belong to the sheet, `least` or more: where most of the area that hangs together is of
+/// triangles nearly as large, as between the lines of a scanner, some of which are farther apart than others, a larger one.
+fn wide_enough(shapes: &[Shape], least: f64) -> f64 {
+    let mut alpha = least;
+    for _ in 0..WIDENED {
+        let own = by_area(shapes.iter().filter(|s| s.radius <= alpha).map(|s| (s.radius, s.area)), HALF);
+        if LINES * own <= alpha {
+            break;
+        }
+        alpha = LINES * own;
+    }
+    alpha
+}
+
+/// Whether what hangs together of triangles with circumradii up to `alpha` are many lines: narrower than `alpha` allows gaps to be.
+fn are_lines(net: &Net, alpha: f64, area: f64) -> bool {
+    let kept = kept(net, alpha);
+    let on_border = net.directed_edges().filter(|e| kept[e.face().index()] && !kept[e.rev().face().index()]);
+    let border: f64 = on_border.map(|e| e.length_2().sqrt()).sum();
+    // Twice the area over the border is the mean width of slim pieces.
+    area <= alpha * border
+}
+
+/// Which faces of a net are triangles with circumradii up to `alpha`.
+fn kept(net: &Net, alpha: f64) -> Vec<bool> {
+    net.all_faces().map(|f| f.as_inner().is_some_and(|f| f.circumcircle().1.sqrt() <= alpha)).collect()
+}
+
+type Net = DelaunayTriangulation<Point2<f64>>;
+
+/// The outline by triangles with circumradii up to `alpha`; corners may lie `off` it, and points that were not taken
+/// `left_out` from those taken. `None` where it leaves out more than strays.
+fn outline_at(net: &Net, taken: &[Vec2], (alpha, off, left_out): (f64, f64, f64)) -> Option<ScanOutline> {
+    let kept = kept(net, alpha);
     let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
     for e in net.directed_edges() {
         if kept[e.face().index()] && !kept[e.rev().face().index()] {
@@ -94,7 +186,6 @@ pub fn outline(points: &[Vec2]) -> Option<ScanOutline> {
     if stray as f64 > STRAY * taken.len() as f64 {
         return None;
     }
-    let off = STRAIGHT * median;
     let hole = closed.iter().map(|h| half(h)).fold(0.0, f64::max);
     let all: Vec<&Vec<Vec2>> = std::iter::once(&outer).chain(cut).collect();
     let straight: Vec<Vec<Vec2>> = all.iter().map(|l| straightened(l, off)).collect();
@@ -102,8 +193,7 @@ pub fn outline(points: &[Vec2]) -> Option<ScanOutline> {
         keeps: [alpha + off + left_out, alpha + hole + off + left_out],
         // Straight lines may cut through spikes that lie beside them.
         loops: if crosses(&straight) { all.into_iter().cloned().collect() } else { straight },
-        // Circumradius of a right-angled half of a square with this side.
-        spacing: std::f64::consts::SQRT_2 * median,
+        spacing: 0.0,
         closed: closed.len(),
         stray,
     })
@@ -177,7 +267,7 @@ pub(super) fn closed_walks(mut next: HashMap<usize, Vec<usize>>) -> Vec<Vec<usiz
     out
 }
 
-fn area(polygon: &[Vec2]) -> f64 {
+pub(crate) fn area(polygon: &[Vec2]) -> f64 {
     let n = polygon.len();
     let Some(o) = polygon.first() else { return 0.0 };
     (0..n).map(|k| 0.5 * (polygon[k] - o).perp(&(polygon[(k + 1) % n] - o))).sum()
@@ -225,8 +315,14 @@ impl<'a> Inside<'a> {
     }
 }
 
-/// A polygon without the corners that lie within `off` of the line between those kept, by the method of Douglas and Peucker.
+/// A polygon without the corners that lie within `off` of the line between those kept, see [`needed`].
 fn straightened(polygon: &[Vec2], off: f64) -> Vec<Vec2> {
+    needed(polygon, off).into_iter().map(|k| polygon[k]).collect()
+}
+
+/// The corners of a polygon without those that lie within `off` of the line between those kept, by the method of Douglas and
+/// Peucker.
+pub(crate) fn needed(polygon: &[Vec2], off: f64) -> Vec<usize> {
     let n = polygon.len();
     let Some(far) = (0..n).max_by(|i, j| {
         let d = |k: usize| (polygon[k] - polygon[0]).norm_squared();
@@ -254,7 +350,7 @@ fn straightened(polygon: &[Vec2], off: f64) -> Vec<Vec2> {
             open.extend([(i, k), (k, j)]);
         }
     }
-    (0..n).filter(|k| keep[*k]).map(|k| polygon[k]).collect()
+    (0..n).filter(|k| keep[*k]).collect()
 }
 
 /// Turn (rad) from which a corner of the outline is one of the sheet: what a fine outline turns from point to point is not.
@@ -294,7 +390,7 @@ impl Shown<'_> {
     }
 
     /// The place on the patch whose image is nearest to `p`, from one near it.
-    fn place(&self, p: &Vec2, near: [f64; 2]) -> [f64; 2] {
+    pub fn place(&self, p: &Vec2, near: [f64; 2]) -> [f64; 2] {
         let (from, to) = self.development.domain();
         let mut at = near;
         for _ in 0..STEPS {
@@ -480,6 +576,32 @@ mod tests {
         let mut one = ring();
         one.push(Vec2::new(150.0, 0.0));
         assert_eq!(outline(&one).expect("outline").stray, 1);
+    }
+
+    /// Points of lines 15 apart, half a millimetre from each other on them, that stray by up to `astray` to both sides of
+    /// their line; a hole about the middle.
+    fn lines(astray: f64) -> Vec<Vec2> {
+        let line = |j: i32| {
+            (0..800).map(move |k| {
+                let noise = (f64::from(k * 37 + j * 11) * 12.9898).sin();
+                Vec2::new(0.5 * f64::from(k), 15.0 * f64::from(j) + astray * noise)
+            })
+        };
+        (0..14).flat_map(line).filter(|p| (p - Vec2::new(200.0, 100.0)).norm() > 50.0).collect()
+    }
+
+    #[test]
+    fn lines_of_a_scanner_make_one_sheet_and_their_distance_is_told() {
+        for astray in [0.0, 0.05, 0.4, 1.5] {
+            let all = lines(astray);
+            let found = outline(&all).expect("outline");
+            assert_eq!((found.loops.len(), found.stray), (2, 0), "{astray}");
+            assert!((10.0..17.0).contains(&found.spacing), "{astray}: {}", found.spacing);
+            let size: f64 = found.loops.iter().map(|l| area(l)).sum();
+            let exact = 399.5 * 195.0 - std::f64::consts::PI * 2500.0;
+            assert!((size / exact - 1.0).abs() < 0.04, "{astray}: {size} {exact}");
+            assert!(found.keeps[0] < 45.0, "{astray}: {:?}", found.keeps);
+        }
     }
 
     #[test]

@@ -7,13 +7,15 @@ use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Status, Subject};
 use crate::certify::elements::elements as certified;
 use crate::control::Control;
+use crate::fit::elements::gaps::sheets;
 use crate::fit::elements::given::{agreeing, of_rulings, only, repeated, square, FEWEST};
 use crate::geom::coarse::{is_tolerance, Coarse, Loose};
 use crate::geom::BBox;
 use crate::io::words;
 use crate::reason::{Item, JobReason, Reason};
-use crate::search::strips::rows::{strips_of_row, Row};
+use crate::search::strips::rows::{strips_of_face, strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
+use crate::search::trims::trims_judged;
 use crate::torse::contact::{orient, ContactElement, Given};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
@@ -21,6 +23,7 @@ use judged::{judged, Made, Sort};
 pub use options::{ElementFitError, ElementFitOptions};
 use std::time::Instant;
 
+mod ends;
 mod judged;
 mod options;
 #[cfg(test)]
@@ -29,8 +32,8 @@ mod tests;
 /// Fits developable strips to rulings or tangent planes.
 ///
 /// *Input*: rulings in any order; planes in order along the surface. *Result*: certified if every element is proven to
-/// lie within the tolerance; otherwise those that are not are counted and the worst is named. Nothing is proven between
-/// the elements.
+/// lie within the tolerance; otherwise those that are not are counted and the worst is named. Strips end where
+/// rulings end. Nothing is proven between the elements.
 ///
 /// # Errors
 /// See [`ElementFitError`].
@@ -62,11 +65,15 @@ pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Contro
         return Err(ElementFitError::Repeated { what: sort.one(), index });
     }
     let fitted = |kept: &Given| -> Result<Answer, ElementFitError> {
-        let estimates = match kept {
-            Given::Planes(p) => vec![p.clone()],
-            Given::Rulings(r) => of_rulings(r, options.tolerance)?,
+        let row = |estimates| Row { name: what.to_string(), estimates, face: None };
+        let rows = match kept {
+            Given::Planes(p) => vec![row(vec![p.clone()])],
+            Given::Rulings(r) => sheets(r, options.tolerance)
+                .iter()
+                .map(|r| of_rulings(r, options.tolerance).map(row))
+                .collect::<Result<_, _>>()?,
         };
-        run(vec![Row { name: what.to_string(), estimates, face: None }], Vec::new(), sort, options, control)
+        run(rows, Vec::new(), sort, options, control)
     };
     let all = fitted(given);
     // What one strip follows has no outliers.
@@ -120,7 +127,7 @@ fn shortened(given: &Given, out: &[(usize, ContactElement)]) -> Option<FitNote> 
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
-/// cubic splines within the tolerance at its rulings. Faces that are not ruled developables are named as skipped.
+/// cubic splines that end at its border, within the tolerance both ways. Faces that are not ruled developables are named as skipped.
 ///
 /// # Errors
 /// See [`ElementFitError`].
@@ -132,6 +139,8 @@ pub fn fit_faces(
 ) -> Result<Answer, ElementFitError> {
     let mut left = skipped.to_vec();
     let before = left.len();
+    // How far their trims keep from the file's edges is part of what is proven.
+    let faces = &trims_judged(faces.to_vec(), options.tolerance).faces[..];
     let mut rows = Vec::new();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
@@ -174,10 +183,13 @@ fn run(
         checked(&mut row, options)?;
         control.report("fitting", k as f64 / count as f64, row.name.clone());
         let left = options.max_strips.saturating_sub(made.strips.len());
-        let mut found = strips_of_row(&mut row, left, &asked, control);
+        let strips = if row.face.is_some() { strips_of_face } else { strips_of_row };
+        let mut found = strips(&mut row, left, &asked, control);
+        let offset = made.all.len();
         for (i, strip) in found.strips.iter_mut().enumerate() {
             strip.name = format!("A-{:02}", made.strips.len() + i + 1);
         }
+        made.ends.add(&found, row.face.as_ref(), options.tolerance);
         let of = (row.name != what).then(|| row.name.clone());
         made.became.extend(row.face.map(|face| {
             let became = match found.strips.first() {
@@ -189,6 +201,7 @@ fn run(
         }));
         let missed = found.missed.into_iter();
         made.skipped.extend(missed.map(|(range, reason)| {
+            let range = if of.is_none() { range.start + offset..range.end + offset } else { range };
             let item = Item::Elements { row: of.clone(), sort: sort.given(), range };
             Skipped::from(Reason::of(item, reason))
         }));

@@ -189,6 +189,20 @@ pub enum StripReason {
         /// Number and place of the farthest.
         worst: Option<(usize, Vec3)>,
     },
+    /// An end of a given ruling is not shown to lie near what an outline leaves of the strip.
+    EndOutside {
+        /// How near it should, mm.
+        within: f64,
+        /// The farthest.
+        worst: Option<Vec3>,
+    },
+    /// A strip as it is cut and its face are not shown to lie near each other.
+    FromFace {
+        /// How near they should, mm.
+        within: f64,
+        /// The greatest distance that was seen, mm, and where.
+        seen: Option<(f64, Vec3)>,
+    },
     /// An outline is not shown to keep to the points.
     OutlineOutside {
         /// How near it should, mm.

@@ -1,6 +1,7 @@
 //! Notes of fits.
 
 use crate::certify::claim::Counted;
+use crate::geom::Vec3;
 pub use crate::search::strips::ruled_face::SplineSize;
 pub use crate::search::strips::scan::Between;
 pub(crate) use crate::search::strips::scan_outline::Outlines;
@@ -16,6 +17,26 @@ pub enum FitNote {
         whole: Vec<String>,
         /// Whether a coarse mesh was measured, of which no part is cut back.
         mesh: bool,
+    },
+    /// Strips of rulings and faces end where these end.
+    Given {
+        /// Whether faces are given.
+        faces: bool,
+        /// Names of strips that are whole, though they should be cut.
+        whole: Vec<String>,
+    },
+    /// Neighbouring rulings that are much farther apart than others.
+    Gap {
+        /// Their distance, mm.
+        apart: f64,
+        /// The usual distance, mm.
+        usual: f64,
+        /// Places of their middles.
+        at: [Vec3; 2],
+        /// How many such stretches there are.
+        count: usize,
+        /// How far the strip bulges from straight lines between the two, mm, estimated; `None` if no strip lies there.
+        bulge_estimate: Option<f64>,
     },
     /// Points too far from others to belong to a surface.
     Lonely {

@@ -239,6 +239,26 @@ impl<'a> Ground<'a> {
         Some((place, face.beyond(place, &face.tensor.over(place).affine())))
     }
 
+    /// What is to be paid (mm) for places of a cell that are mapped beyond the border, where that is near: `corners` (about the
+    /// middle of the cell) are those of a polygon that holds what counts of it. `None` where nothing is known.
+    pub(super) fn beside(&self, of: usize, map: &Affine, image: &[Interval; 2], corners: &[[f64; 2]]) -> Option<f64> {
+        let Kind::Surfaces(faces) = &self.0 else { return None };
+        let face = &faces[of];
+        let region = face.region.as_ref()?;
+        let place = |c: &[f64; 2]| [0, 1].map(|d: usize| map.at[d] + map.slopes[0][d] * c[0] + map.slopes[1][d] * c[1]);
+        let places: Vec<[f64; 2]> = corners.iter().map(place).collect();
+        let domain = face.domain.map(|[lo, hi]| Interval { lo, hi });
+        let jet = face.tensor.at(map.at.map(Interval::point)).affine();
+        let speeds = [length(&jet.du).hi, length(&jet.dv).hi];
+        let way = region.beside(image, &places, speeds)?;
+        // The way ends in what counts, which is in the domain; it begins in the image.
+        let along =
+            [0, 1].map(|d: usize| Interval::new(image[d].lo - way[d], image[d].hi + way[d]).intersect(domain[d]));
+        let over = face.tensor.over([along[0]?, along[1]?]).affine();
+        let paid = Interval::point(way[0]) * length(&over.du) + Interval::point(way[1]) * length(&over.dv);
+        Some(paid.hi)
+    }
+
     /// Over a box of parameters.
     pub(super) fn over(&self, of: usize, image: &[Interval; 2]) -> Jet2<3> {
         match &self.0 {

@@ -14,7 +14,7 @@ mod piece;
 mod region;
 mod target;
 
-pub(crate) use target::{distance_from, Open, Target, TargetDistance};
+pub(crate) use target::{distance_from, panels_from_faces, Open, Target, TargetDistance};
 
 use ground::Ground;
 use piece::Piece;
@@ -30,8 +30,8 @@ use rayon::prelude::*;
 
 /// The bound may exceed the greatest distance seen by this share of it, or by this share of the tolerance.
 const EXCESS: (f64, f64) = (0.03, 0.01);
-/// Where one place stands for a cell, as along the border of trimmed faces, a bound below this share of the tolerance will do:
-/// it is as large as the cell, and there are as many cells as it is sharp.
+/// Along the border of trimmed faces, where one place may stand for a cell, a bound below this share of the tolerance will do:
+/// it may be as large as the cell, and there are as many cells as it is sharp.
 const ALONE: f64 = 0.25;
 /// Cells looked at beyond those that every piece begins with, at most.
 const MOST_CELLS: usize = 150_000;
@@ -69,7 +69,7 @@ struct Look {
     foot: Option<Foot>,
     /// How much of the bound comes from either direction.
     share: [f64; 2],
-    /// Whether one place stands for the whole cell.
+    /// Whether it passes the border of what counts: one place stands for the whole cell, or the way back is paid for.
     alone: bool,
 }
 
@@ -131,17 +131,21 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
     let Some(foot) = ground.foot(&place, cell.near.as_ref().or(piece.hint()), far) else { return nothing };
     let (x, y) = (cell.box_[0] - Interval::point(middle[0]), cell.box_[1] - Interval::point(middle[1]));
     let (over, middle_of) = (piece.over(&cell.box_), piece.at(middle));
-    let (bounded, alone) = match mapped(cell, &foot, piece, ground, [&over, &middle_of]) {
-        Some(bounded) => (bounded, false),
-        None => {
-            let Some((there, paid)) = ground.alone(&foot) else {
-                return Look { foot: Some(foot), alone: true, ..nothing };
-            };
-            let (none, face) = ([Interval::ZERO; 2], ground.over(foot.of, &there));
-            let gap = |piece: &Jet2<3>| Gap::linear(&face, [&none, &none], piece);
-            let found = gap(&over).bounded(&gap(&middle_of), [x, y], false);
-            (Bounded { bound: (Interval::point(found.bound) + Interval::point(paid)).hi, ..found }, true)
-        }
+    let by_map = mapped(cell, &foot, piece, ground, [&over, &middle_of]);
+    let by_place = || {
+        let (there, paid) = ground.alone(&foot)?;
+        let (none, face) = ([Interval::ZERO; 2], ground.over(foot.of, &there));
+        let gap = |piece: &Jet2<3>| Gap::linear(&face, [&none, &none], piece);
+        let found = gap(&over).bounded(&gap(&middle_of), [x, y], false);
+        Some(Bounded { bound: (Interval::point(found.bound) + Interval::point(paid)).hi, ..found })
+    };
+    let (bounded, alone) = match by_map {
+        Some((bounded, false)) => (bounded, false),
+        Some((bounded, true)) => (by_place().filter(|p| p.bound < bounded.bound).unwrap_or(bounded), true),
+        None => match by_place() {
+            Some(place) => (place, true),
+            None => return Look { foot: Some(foot), alone: true, ..nothing },
+        },
     };
     let seen = if piece.holds(middle) { foot.distance } else { 0.0 };
     // What is no number is no bound.
@@ -149,18 +153,26 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
     Look { bound, seen, place, foot: Some(foot), share: bounded.share, alone }
 }
 
-/// The bound by a linear map from the cell about a foot; `None` where its image does not surely count.
-fn mapped(cell: &Cell, foot: &Foot, piece: &Piece, ground: &Ground, [over, at]: [&Jet2<3>; 2]) -> Option<Bounded> {
-    if foot.border.is_some() {
-        return None;
-    }
+/// The bound by a linear map from the cell about a foot, and whether it passes the border of what counts; `None` where nothing
+/// is known of its image.
+fn mapped(
+    cell: &Cell,
+    foot: &Foot,
+    piece: &Piece,
+    ground: &Ground,
+    [over, at]: [&Jet2<3>; 2],
+) -> Option<(Bounded, bool)> {
     let middle = cell.box_.map(Interval::mid);
+    let start = match foot.border {
+        Some(_) => ground.on(foot.of, &piece.point(middle), foot.at),
+        None => foot.at,
+    };
     let half = cell.box_.map(|x| 0.5 * (x.hi - x.lo));
     // Slopes of the map from the feet of the sides' middles.
     let side = |d: usize, sign: f64| {
         let mut at = middle;
         at[d] += sign * half[d];
-        ground.on(foot.of, &piece.point(at), foot.at)
+        ground.on(foot.of, &piece.point(at), start)
     };
     let slope = |d: usize| {
         let (p, q) = (side(d, -1.0), side(d, 1.0));
@@ -171,19 +183,24 @@ fn mapped(cell: &Cell, foot: &Foot, piece: &Piece, ground: &Ground, [over, at]: 
             [0.0; 2]
         }
     };
-    let map = ground.kept(foot.of, Affine { at: foot.at, slopes: [slope(0), slope(1)], half });
+    let map = ground.kept(foot.of, Affine { at: start, slopes: [slope(0), slope(1)], half });
     let (x, y) = (cell.box_[0] - Interval::point(middle[0]), cell.box_[1] - Interval::point(middle[1]));
     let image = map.image([x, y]);
-    if !ground.contains(foot.of, &image) {
-        return None;
-    }
+    let inside = foot.border.is_none() && ground.contains(foot.of, &image);
+    let aside = if inside {
+        0.0
+    } else {
+        let corners: Vec<[f64; 2]> =
+            piece.corners(&cell.box_).into_iter().map(|c| [c[0] - middle[0], c[1] - middle[1]]).collect();
+        ground.beside(foot.of, &map, &image, &corners)?
+    };
     let there = ground.over(foot.of, &image);
     let [du, dv] = map.slopes.map(|s| s.map(Interval::point));
     let gap = Gap::linear(&there, [&du, &dv], over);
     let first = Gap::linear(&ground.at(foot.of, &map.at), [&du, &dv], at);
     let found = gap.bounded(&first, [x, y], ground.creased(foot.of, &image));
-    let paid = ground.beyond(foot.of, &map, [x, y], &there);
-    Some(Bounded { bound: (Interval::point(found.bound) + Interval::point(paid)).hi, ..found })
+    let paid = Interval::point(ground.beyond(foot.of, &map, [x, y], &there)) + Interval::point(aside);
+    Some((Bounded { bound: (Interval::point(found.bound) + paid).hi, ..found }, !inside))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What is near or far: surfaces inside their trims, and triangles \[MKC09\].
 
 use super::ground::Foot;
-use crate::certify::polygon::{meets, winding};
+use crate::certify::polygon::Sides;
 use crate::certify::tensor::{about, Jet2, Tensor};
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
@@ -17,8 +17,8 @@ enum Kind<'a> {
         surface: &'a Surface,
         /// The same for proofs.
         tensor: Box<Tensor<'a, 4>>,
-        /// Closed polygons of its parameter plane; none: all of it.
-        polygons: &'a [Vec<[f64; 2]>],
+        /// Sides of closed polygons of its parameter plane; none: all of it.
+        sides: Option<Sides<'a>>,
     },
     /// A flat triangle over the unit square: the first corner is its side `u = 0`.
     Triangle {
@@ -35,7 +35,8 @@ impl<'a> Piece<'a> {
     /// A surface, or what the polygons of its parameter plane wind about; in proofs positions are relative to `origin`.
     pub fn surface(surface: &'a Surface, origin: [f64; 3], polygons: &'a [Vec<[f64; 2]>]) -> Self {
         let tensor = Tensor::new([&surface.knots_u, &surface.knots_v], about(&surface.control, origin));
-        Self(Kind::Surface { surface, tensor: Box::new(tensor), polygons })
+        let sides = (!polygons.is_empty()).then(|| Sides::of(polygons));
+        Self(Kind::Surface { surface, tensor: Box::new(tensor), sides })
     }
 
     /// A triangle, with the piece of the ground and the parameters on it where nearest points may be.
@@ -66,20 +67,28 @@ impl<'a> Piece<'a> {
     /// Whether a box may hold points that count.
     pub(super) fn is_used(&self, box_: &[Interval; 2]) -> bool {
         match &self.0 {
-            Kind::Surface { polygons, .. } if !polygons.is_empty() => {
-                let crossed = polygons.iter().any(|p| (0..p.len()).any(|k| meets(p[k], p[(k + 1) % p.len()], box_)));
-                crossed || self.holds(box_.map(Interval::mid))
-            }
+            Kind::Surface { sides: Some(sides), .. } => sides.meet(box_) || self.holds(box_.map(Interval::mid)),
             _ => true,
+        }
+    }
+
+    /// Corners of a polygon that holds all of a box that counts, up to ten digits of the parameters.
+    pub(super) fn corners(&self, box_: &[Interval; 2]) -> Vec<[f64; 2]> {
+        let [u, v] = box_;
+        let all = [[u.lo, v.lo], [u.hi, v.lo], [u.hi, v.hi], [u.lo, v.hi]];
+        match &self.0 {
+            Kind::Surface { sides: Some(sides), .. } => {
+                let held = all.into_iter().filter(|c| sides.winding(*c) != 0);
+                held.chain(sides.inside(box_).into_iter().flatten()).collect()
+            }
+            _ => all.to_vec(),
         }
     }
 
     /// Whether a place counts, up to the border.
     pub(super) fn holds(&self, at: [f64; 2]) -> bool {
         match &self.0 {
-            Kind::Surface { polygons, .. } if !polygons.is_empty() => {
-                polygons.iter().map(|p| winding(p, at)).sum::<i32>() != 0
-            }
+            Kind::Surface { sides: Some(sides), .. } => sides.winding(at) != 0,
             _ => true,
         }
     }

@@ -1,6 +1,6 @@
 //! What of a surface counts: the part of its parameter plane that closed polygons wind about, with exact predicates \[S97\].
 
-use crate::certify::polygon::{meets, winding};
+use crate::certify::polygon::{Sides, ROUNDED};
 use crate::geom::box_tree::BoxTree;
 use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
@@ -20,12 +20,17 @@ struct Stretch {
 /// A part of a parameter plane.
 pub(super) struct Region<'a> {
     polygons: &'a [Vec<[f64; 2]>],
+    sides: Sides<'a>,
+    /// Largest extent of the domain.
+    reach: f64,
     stretches: Vec<Stretch>,
     tree: BoxTree,
 }
 
 /// Sides are cut so that no stretch is longer than this share of the domain.
 const STRETCH: f64 = 1.0 / 64.0;
+/// Share of its extent by which a box is made wider on each side, to find what counts near it.
+const WIDER: f64 = 0.5;
 /// Steps to the nearest place of a side from that of its stretch.
 const STEPS: usize = 3;
 
@@ -50,13 +55,57 @@ impl<'a> Region<'a> {
             }
         }
         let tree = BoxTree::new(stretches.len(), &|k| BBox::of(stretches[k].ends.iter()));
-        (!stretches.is_empty()).then_some(Self { polygons, stretches, tree })
+        (!stretches.is_empty()).then(|| Self {
+            polygons,
+            sides: Sides::of(polygons),
+            reach: (u1 - u0).max(v1 - v0),
+            stretches,
+            tree,
+        })
     }
 
     /// Whether all of a box is surely inside.
     pub fn contains(&self, box_: &[Interval; 2]) -> bool {
-        let crossed = self.polygons.iter().any(|p| (0..p.len()).any(|k| meets(p[k], p[(k + 1) % p.len()], box_)));
-        !crossed && self.polygons.iter().map(|p| winding(p, box_.map(Interval::mid))).sum::<i32>() != 0
+        !self.sides.meet(box_) && self.sides.winding(box_.map(Interval::mid)) != 0
+    }
+
+    /// How far places of a box near the border are from what counts, by both parameters: `places` are the corners of a polygon in
+    /// the box that holds them, `speeds` the lengths of both derivatives about there. `None` where the border bends too much in the
+    /// box.
+    ///
+    /// A half-plane is taken that no side enters within a wider box. If that part of it counts anywhere, it counts everywhere, and
+    /// the way to it is no longer than that square to its line, as long as this ends in the box.
+    pub fn beside(&self, box_: &[Interval; 2], places: &[[f64; 2]], speeds: [f64; 2]) -> Option<[f64; 2]> {
+        let [m, n] = [0, 1].map(|d: usize| WIDER * (box_[d].hi - box_[d].lo));
+        let wide = [Interval::new(box_[0].lo - m, box_[0].hi + m), Interval::new(box_[1].lo - n, box_[1].hi + n)];
+        let sides = self.sides.inside(&wide);
+        let scaled = |p: &[f64; 2]| [p[0] * speeds[0], p[1] * speeds[1]];
+        let turn = self.sides.turn();
+        let outward = sides.iter().fold([0.0; 2], |sum, [p, q]| {
+            let (p, q) = (scaled(p), scaled(q));
+            [sum[0] + turn * (q[1] - p[1]), sum[1] - turn * (q[0] - p[0])]
+        });
+        let size = outward[0].hypot(outward[1]);
+        let normal = outward.map(|x| x / size);
+        if !normal.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let height = |p: &[f64; 2]| {
+            let p = scaled(p);
+            normal[0] * p[0] + normal[1] * p[1]
+        };
+        let largest = wide.iter().zip(speeds).map(|(x, s)| x.lo.abs().max(x.hi.abs()) * s).fold(0.0, f64::max);
+        let side = self.reach * speeds[0].max(speeds[1]);
+        let slack = ROUNDED * (largest + side);
+        let line = sides.iter().flatten().map(height).fold(f64::INFINITY, f64::min) - slack;
+        let corners = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|k| [0, 1].map(|d: usize| [wide[d].lo, wide[d].hi][k[d]]));
+        let lowest = corners.iter().min_by(|a, b| height(a).total_cmp(&height(b)))?;
+        if height(lowest) + slack >= line || self.sides.winding(*lowest) == 0 {
+            return None;
+        }
+        let off = places.iter().map(height).fold(f64::NEG_INFINITY, f64::max) + slack - line;
+        let way = [0, 1].map(|d: usize| off.max(0.0) * normal[d].abs() / speeds[d]);
+        (way[0] <= m && way[1] <= n).then_some(way)
     }
 
     /// The place of the border near a point, with its parameters and its distance (mm).

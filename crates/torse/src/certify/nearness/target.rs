@@ -6,9 +6,12 @@ use super::{farthest, Nearness};
 use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::points::points;
+use crate::certify::trimmed::polygon;
 use crate::control::Control;
 use crate::geom::cloud::Cloud;
 use crate::geom::{BBox, Vec3};
+use crate::patchwork::panel::Panel;
+use crate::spline::surface::Surface;
 use crate::torse::strip::Strip;
 
 /// What strips should be near.
@@ -51,31 +54,20 @@ pub(crate) fn distance_from(strips: &[&Strip], target: Target, tolerance: f64, c
     let bbox =
         BBox::of(strips.iter().flat_map(|s| [s.patch.bbox().min, s.patch.bbox().max]).collect::<Vec<_>>().iter());
     let origin: [f64; 3] = bbox.center().into();
-    let own: Vec<Piece> = strips.iter().map(|s| Piece::surface(&s.patch, origin, &[])).collect();
-    let ground = || Ground::surfaces(strips.iter().map(|s| &s.patch).collect(), origin);
     match target {
         Target::Faces(faces) => {
-            let polygons: Vec<Vec<Vec<[f64; 2]>>> = faces
-                .iter()
-                .map(|f| if is_whole(f) { Vec::new() } else { f.loops.iter().map(|l| l.points.clone()).collect() })
-                .collect();
-            let each = || faces.iter().zip(&polygons).map(|(f, p)| (&f.surface, &p[..]));
-            let mut there = farthest(&own, &Ground::faces(each(), origin), tolerance, control);
-            let pieces: Vec<Piece> = each().map(|(s, p)| Piece::surface(s, origin, p)).collect();
-            let mut back = farthest(&pieces, &ground(), tolerance, control);
-            let trims = faces.iter().map(|f| f.trim_bound() + f.joint_bound()).fold(0.0, f64::max);
-            let trims = UpperBound::shown(trims);
-            back.bound = back.bound.plus(trims);
-            there.bound = there.bound.plus(trims);
-            both(Some(there), back, None)
+            let own: Vec<Surfaces> = strips.iter().map(|s| (&s.patch, &[][..])).collect();
+            from_faces(&own, faces, origin, tolerance, control)
         }
         Target::Cloud(cloud) => match Ground::mesh(cloud, origin) {
             Some(mesh) => {
                 let corner = |i: u32| cloud.points[i as usize];
                 let pieces: Vec<Piece> =
                     cloud.triangles.iter().map(|t| Piece::triangle(t.map(corner), origin, None)).collect();
+                let own: Vec<Piece> = strips.iter().map(|s| Piece::surface(&s.patch, origin, &[])).collect();
                 let there = farthest(&own, &mesh, tolerance, control);
-                both(Some(there), farthest(&pieces, &ground(), tolerance, control), None)
+                let ground = Ground::surfaces(strips.iter().map(|s| &s.patch).collect(), origin);
+                both(Some(there), farthest(&pieces, &ground, tolerance, control), None)
             }
             None => {
                 let strips: Vec<Strip> = strips.iter().map(|s| (*s).clone()).collect();
@@ -87,6 +79,42 @@ pub(crate) fn distance_from(strips: &[&Strip], target: Target, tolerance: f64, c
             }
         },
     }
+}
+
+/// A surface and what counts of it: closed polygons of its parameter plane, or all of it.
+type Surfaces<'a> = (&'a Surface, &'a [Vec<[f64; 2]>]);
+
+/// As [`distance_from`], between panels, what lies inside their outlines, and faces inside their trims. `None` for panels whose
+/// outlines are no polygons of their parameter planes.
+pub(crate) fn panels_from_faces(
+    panels: &[&Panel],
+    faces: &[Face],
+    tolerance: f64,
+    control: &Control,
+) -> Option<TargetDistance> {
+    let polygons: Vec<Vec<Vec<[f64; 2]>>> =
+        panels.iter().map(|p| p.loops().iter().map(|l| polygon(l)).collect()).collect::<Option<_>>()?;
+    let own: Vec<Surfaces> = panels.iter().zip(&polygons).map(|(p, l)| (&p.strip.patch, &l[..])).collect();
+    let corners = panels.iter().flat_map(|p| [p.strip.patch.bbox().min, p.strip.patch.bbox().max]);
+    let origin = BBox::of(corners.collect::<Vec<_>>().iter()).center().into();
+    Some(from_faces(&own, faces, origin, tolerance, control))
+}
+
+fn from_faces(own: &[Surfaces], faces: &[Face], origin: [f64; 3], tolerance: f64, control: &Control) -> TargetDistance {
+    let polygons: Vec<Vec<Vec<[f64; 2]>>> = faces
+        .iter()
+        .map(|f| if is_whole(f) { Vec::new() } else { f.loops.iter().map(|l| l.points.clone()).collect() })
+        .collect();
+    let each = || faces.iter().zip(&polygons).map(|(f, p)| (&f.surface, &p[..]));
+    let mine: Vec<Piece> = own.iter().map(|(s, p)| Piece::surface(s, origin, p)).collect();
+    let mut there = farthest(&mine, &Ground::faces(each(), origin), tolerance, control);
+    let pieces: Vec<Piece> = each().map(|(s, p)| Piece::surface(s, origin, p)).collect();
+    let mut back = farthest(&pieces, &Ground::faces(own.iter().copied(), origin), tolerance, control);
+    let trims = faces.iter().map(|f| f.trim_bound() + f.joint_bound()).fold(0.0, f64::max);
+    let trims = UpperBound::shown(trims);
+    back.bound = back.bound.plus(trims);
+    there.bound = there.bound.plus(trims);
+    both(Some(there), back, None)
 }
 
 fn both(there: Option<Nearness>, back: Nearness, open: Option<Open>) -> TargetDistance {
@@ -117,9 +145,10 @@ fn is_whole(face: &Face) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::face::TrimLoop;
+    use crate::patchwork::panel::{Border, Coedge};
     use crate::spline::curve::Curve;
     use crate::spline::knots::Knots;
-    use crate::spline::surface::Surface;
     use crate::torse::form::PanelKind;
 
     fn face(height: f64, width: f64) -> Face {
@@ -190,6 +219,43 @@ mod tests {
         let found = found(&strip(0.0), Target::Faces(&cut));
         assert!(found.there.value() >= 0.2 && found.there.value() < 0.5, "{found:?}");
         assert!(found.back.value() >= 0.05 && found.back.value() < 0.06, "{found:?}");
+    }
+
+    #[test]
+    fn long_borders_along_each_other_are_bounded_as_sharply_as_insides() {
+        let mut cut = [face(0.05, 5000.0)];
+        let hole = |k: u32| (f64::from(k) * -std::f64::consts::TAU / 64.0).sin_cos();
+        let ring: Vec<[f64; 2]> = (0..64).map(hole).map(|(s, c)| [0.5 + 0.1 * c, 0.5 + 0.3 * s]).collect();
+        let polygons = [vec![[0.01, 0.02], [0.97, 0.05], [0.99, 0.98], [0.02, 0.9]], ring];
+        let outline = polygons.iter().map(|corners| {
+            let control: Vec<[f64; 2]> = corners.iter().chain(corners.first()).copied().collect();
+            let at: Vec<f64> = (0..control.len()).map(|k| k as f64 / (control.len() - 1) as f64).collect();
+            let knots = Knots::clamped(1, &at).expect("knots");
+            let edge = control.iter().map(|q| [5000.0 * q[0], 30.0 * q[1], 0.0]).collect();
+            vec![Coedge {
+                border: Border::Trim { edge: 0 },
+                vertices: Vec::new(),
+                parameters: Vec::new(),
+                edge: Curve { knots: knots.clone(), control: edge },
+                trim: Curve { knots, control },
+            }]
+        });
+        let side = |y: f64| {
+            let ends = vec![[0.0, y, 0.0], [5000.0, y, 0.0]];
+            Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], ends).expect("a curve")
+        };
+        let strip = Strip::polynomial("s", PanelKind::Plane, &side(0.0), &side(30.0)).expect("a strip");
+        let panel = Panel { outline: outline.collect(), ..Panel::from(strip) };
+        cut[0].loops[0].points.clone_from(&polygons[0]);
+        cut[0].loops.push(TrimLoop { points: polygons[1].clone(), edge: vec![1; 64] });
+        let found = |faces: &[Face]| panels_from_faces(&[&panel], faces, 0.1, &Control::default()).expect("polygons");
+        let along = found(&cut);
+        assert!(along.there.value() >= 0.05 && along.there.value() < 0.06, "{along:?}");
+        assert!(along.back.value() >= 0.05 && along.back.value() < 0.06, "{along:?}");
+        // A larger hole in the face: the panel reaches into it by 5 at its sides.
+        cut[0].loops[1].points.iter_mut().for_each(|p| p[0] = 0.5 + 1.01 * (p[0] - 0.5));
+        let reach = found(&cut);
+        assert!(reach.there.value() > 1.0 && reach.back.value() < 0.06, "{reach:?}");
     }
 
     #[test]

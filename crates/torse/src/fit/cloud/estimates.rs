@@ -5,6 +5,7 @@
 //! are to be estimated first\]. Noise is averaged over the neighbourhood, and its bias is of fourth order in the cell.
 
 use super::grid::{around, core, Grid};
+use super::lines::distance_of_lines;
 use super::CloudError;
 use crate::fit::planes::linear_system::robust_weights;
 use crate::geom::Vec3;
@@ -54,8 +55,15 @@ pub struct Estimates {
 pub fn estimates(points: &[Vec3], count: usize) -> Result<Estimates, CloudError> {
     // Points per cell at least, on average.
     const DENSITY: usize = 8;
+    // Edge of cells in distances of lines.
+    const LINES: f64 = 1.25;
     check(points)?;
-    let grid = Grid::with_count(points, (points.len() / DENSITY).clamp(4, count.max(4)));
+    let mut grid = Grid::with_count(points, (points.len() / DENSITY).clamp(4, count.max(4)));
+    // Cells around a cell hold three lines of a scanner at least.
+    let least = distance_of_lines(points).map_or(0.0, |apart| LINES * apart);
+    if grid.size < least {
+        grid = Grid::new(points, least);
+    }
     let keys = grid.keys();
     let found: Vec<Option<Estimate>> = keys.par_iter().map(|k| estimate(points, &grid, k)).collect();
     let mut items = Vec::new();

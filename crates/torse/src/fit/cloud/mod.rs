@@ -5,6 +5,7 @@ pub mod estimates;
 pub mod extent;
 pub(crate) mod facets;
 mod grid;
+mod lines;
 pub(crate) mod pieces;
 pub(crate) mod regions;
 

@@ -3,6 +3,7 @@
 pub mod cones;
 pub mod decompose;
 pub mod extent;
+pub(crate) mod gaps;
 pub(crate) mod given;
 pub(crate) mod outliers;
 pub(crate) mod ruling_order;

@@ -28,7 +28,10 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::MeanPointDistance => "root mean square distance".into(),
         What::ElementDistance => "largest distance".into(),
         What::ElementAngle => "largest angle between given and fitted tangent planes".into(),
-        What::BeyondRulings => "reach of the strips beyond the ends of what is given".into(),
+        What::BeyondRulings => "distance of the strips as they are cut from what lies between the given rulings".into(),
+        What::EndDistance => "distance of the ends of given rulings from the strips as they are cut".into(),
+        What::FaceDistance => "distance between the strips as they are cut and the given faces, both ways".into(),
+        What::RulingGap => "largest distance between neighbouring rulings".into(),
         What::FromTaken => "distance of the strips from those taken over, both ways".into(),
         What::CurvesMoved => "distance of the curves from those given".into(),
         What::TargetDistance(k) => format!("from target {k}"),
@@ -115,6 +118,9 @@ pub fn id(what: What) -> &'static str {
         What::ElementDistance => "element_distance",
         What::ElementAngle => "element_angle",
         What::BeyondRulings => "beyond_rulings",
+        What::EndDistance => "end_distance",
+        What::FaceDistance => "face_distance",
+        What::RulingGap => "ruling_gap",
         What::FromTaken => "from_taken",
         What::CurvesMoved => "curves_moved",
         What::TargetDistance(_) => "target_distance",
@@ -199,6 +205,9 @@ pub fn unit(what: What) -> &'static str {
         | What::MeanPointDistance
         | What::ElementDistance
         | What::BeyondRulings
+        | What::EndDistance
+        | What::FaceDistance
+        | What::RulingGap
         | What::FromTaken
         | What::CurvesMoved
         | What::TargetDistance(_)

@@ -1,5 +1,6 @@
 //! Strips of rows before their judge, laid flat, as an answer.
 
+use super::ends::Ends;
 use super::options::ElementFitOptions;
 use crate::answer::note::{FaceNote, FitNote, Note};
 use crate::answer::skipped::Skipped;
@@ -10,7 +11,6 @@ use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
-use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::{self, JobReason, Reason};
@@ -68,18 +68,21 @@ pub(super) struct Made {
     pub became: Vec<FaceNote>,
     /// What was left out.
     pub skipped: Vec<Skipped>,
+    /// Where strips should end.
+    pub ends: Ends,
 }
 
 /// Judges and develops strips.
 pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, control: &Control, clock: Instant) -> Answer {
-    let Made { strips, all, became, skipped } = made;
+    let Made { strips, all, became, skipped, ends } = made;
     let what = sort.many();
     control.report("proving", 0.7, format!("{} {what}", all.len()));
     let certificate = certified(&strips, &all, control);
     let chains = Part::of_each(&strips);
     let drawn = Drawn { bends: options.drawn.bends.of_job(options.tolerance), ..options.drawn };
     let flat = StripOptions { drawn, ..StripOptions::new(0.1 * options.tolerance) };
-    let laid = laid(&strips, &chains, &flat, options.tolerance);
+    let mut laid = laid(&strips, &chains, &flat, options.tolerance);
+    let ended = ends.cut(&strips, &mut laid, flat.side, options.tolerance, control);
     let beyond = certificate.beyond(options.tolerance);
     let broken = regression::broken(&strips, options.limits.as_ref());
     let worst = certificate.worst_bound();
@@ -109,7 +112,7 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         let claim = Claim::at_most(What::ElementAngle, whole, turn.degrees());
         claim.within(options.plane_angle.to_degrees()).because(Reason::from(reason))
     }));
-    claims.extend(beyond_rulings(&strips, &all, &certificate));
+    claims.extend(ends.claims(&ended, options.tolerance, control));
     if control.stopped() {
         claims.push(Claim::objection(whole, JobReason::NotAllJudged(sort.given())));
     }
@@ -122,7 +125,8 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
     let mut notes: Vec<Note> = options.limits.iter().cloned().map(Note::Limits).collect();
     notes.extend(became.into_iter().map(FitNote::Face).map(Note::Fit));
     notes.extend(broken.into_iter().map(Note::Broken));
-    notes.push(Note::Fit(FitNote::At(sort.counted())));
+    notes.extend((!ends.of_faces_only()).then_some(Note::Fit(FitNote::At(sort.counted()))));
+    notes.extend(ends.notes(&ended, matches!(sort, Sort::Rulings), control));
     notes.extend((strips.len() > 1).then_some(Note::Unjoined));
     Answer {
         claims,
@@ -131,23 +135,9 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         notes,
         skipped,
         seconds: clock.elapsed().as_secs_f64(),
-        patchwork: Patchwork::of_strips(strips),
+        patchwork: Patchwork { panels: ended.panels, ..Patchwork::default() },
         ..Answer::of_flat(Job::Fit, &options.input, options.tolerance, laid)
     }
-}
-
-/// How far strips go on beyond the ends of given rulings: their rails are simple curves around all of these. Measured on the
-/// rulings of the strips that are nearest to the middles of the given ones; nothing where no rulings are given.
-fn beyond_rulings(strips: &[Strip], all: &[ContactElement], c: &ElementCertificate) -> Option<Claim> {
-    let beyond = |(e, (k, u)): (&ContactElement, &(u32, f64))| {
-        let d = e.ends[1] - e.ends[0];
-        let on = |p: &Vec3| e.ends[0] + d * ((p - e.ends[0]).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
-        let ends = strips.get(*k as usize).filter(|_| e.has_ruling())?.ruling(*u);
-        ends.iter().map(|p| (p - on(p)).norm()).reduce(f64::max)
-    };
-    let known = all.iter().zip(c.places()).zip(c.bounds()).filter(|(_, bound)| bound.is_finite());
-    let far = known.filter_map(|(known, _)| beyond(known)).reduce(f64::max)?;
-    Some(Claim::measured(What::BeyondRulings, Subject::Whole, far))
 }
 
 fn claims_of_strips(strips: &[Strip], c: &ElementCertificate) -> Vec<Claim> {

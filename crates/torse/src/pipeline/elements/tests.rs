@@ -68,3 +68,74 @@ fn tangent_planes_given_with_rulings_are_judged() {
     let found = fit_elements(&rulings, &ElementFitOptions::new(0.2, "cone"), &Control::default()).expect("an answer");
     assert!(found.status() == Status::Certified && found.claim(What::ElementAngle).is_none());
 }
+
+/// Rulings of a cone of 2 rad whose ends are moved along them, mm.
+fn rulings(count: usize, moved: impl Fn(usize) -> [f64; 2]) -> Given {
+    let ruling = |k: usize| {
+        let [p, q] = element(k as f64 / (count - 1) as f64, 0.0).ends;
+        let [from, to] = moved(k);
+        let along = (q - p).normalize();
+        [p + along * from, q + along * to]
+    };
+    Given::Rulings((0..count).map(ruling).collect())
+}
+
+/// Area of what a cone's rulings from 100 to 300 mm cover, when laid flat, with their ends moved, mm².
+fn area(count: usize, moved: impl Fn(usize) -> [f64; 2]) -> f64 {
+    let turn = 2.0 * 0.5_f64.sin() / (count - 1) as f64;
+    let sides = |k: usize| [100.0 + moved(k)[0], 300.0 + moved(k)[1]];
+    let triangle = |a: f64, b: f64| 0.5 * a * b * turn.sin();
+    (1..count).map(|k| triangle(sides(k - 1)[1], sides(k)[1]) - triangle(sides(k - 1)[0], sides(k)[0])).sum()
+}
+
+fn fit_rulings(given: &Given) -> Answer {
+    fit_elements(given, &ElementFitOptions::new(0.2, "cone"), &Control::default()).expect("an answer")
+}
+
+#[test]
+fn strips_and_patterns_end_where_rulings_end() {
+    let value = |answer: &Answer, what| answer.claim(what).expect("a figure").value();
+    // Ends on a curve that no rail of low degree follows, and ends that jump to and fro.
+    let wavy = |k: usize| [20.0 * (0.3 * k as f64).sin(), 30.0 * (0.25 * k as f64).cos()];
+    let ragged = |k: usize| [[-7.0, 9.0], [6.0, -8.0], [3.0, 4.0]][k % 3];
+    for (given, expected) in [(rulings(40, wavy), area(40, wavy)), (rulings(40, ragged), area(40, ragged))] {
+        let answer = fit_rulings(&given);
+        assert_eq!(answer.status(), Status::Certified, "{}", words::reason(&answer.claims, &[]));
+        assert!(value(&answer, What::EndDistance) <= 0.21 && value(&answer, What::BeyondRulings) < 0.6);
+        assert_eq!(answer.patchwork.panels[0].outline.len(), 1);
+        let flat: f64 = answer.patterns.iter().map(|p| p.area).sum();
+        assert!((flat / expected - 1.0).abs() < 0.003, "{flat} {expected}");
+    }
+    // Ends on circles: the strip ends there as it is.
+    let plain = fit_rulings(&rulings(40, |_| [0.0; 2]));
+    assert!(plain.status() == Status::Certified && value(&plain, What::BeyondRulings) < 0.6);
+}
+
+#[test]
+fn two_groups_of_rulings_are_two_strips() {
+    let Given::Rulings(all) = rulings(60, |_| [0.0; 2]) else { return };
+    let two = Given::Rulings(all.iter().enumerate().filter(|(k, _)| *k < 15 || *k > 44).map(|k| *k.1).collect());
+    let answer = fit_rulings(&two);
+    assert_eq!((answer.status(), answer.patchwork.panels.len()), (Status::Certified, 2));
+    let is_gap = |n: &Note| matches!(n, Note::Fit(FitNote::Gap { bulge_estimate: None, count: 1, .. }));
+    assert!(answer.notes.iter().any(is_gap), "{:?}", answer.notes);
+    assert!(!fit_rulings(&Given::Rulings(all)).notes.iter().any(|n| matches!(n, Note::Fit(FitNote::Gap { .. }))));
+}
+
+#[test]
+fn strips_of_faces_end_at_their_border_and_at_holes() {
+    use crate::search::strips::cone_strip::tests::slanting;
+    let mut face = slanting();
+    let hole = |k: i32| (f64::from(k) * -std::f64::consts::TAU / 64.0).sin_cos();
+    let points: Vec<[f64; 2]> = (0..64).map(hole).map(|(s, c)| [0.6 + 0.06 * c, 0.525 + 0.04 * s]).collect();
+    let edge = vec![9; points.len()];
+    let whole = fit_faces(std::slice::from_ref(&face), &[], &ElementFitOptions::new(0.2, "f"), &Control::default());
+    face.loops.push(crate::brep::face::TrimLoop { points, edge });
+    let holed = fit_faces(&[face], &[], &ElementFitOptions::new(0.2, "f"), &Control::default());
+    for (answer, loops) in [(whole, 1), (holed, 2)] {
+        let answer = answer.expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{}", words::reason(&answer.claims, &[]));
+        assert!(answer.claim(What::FaceDistance).is_some_and(|c| c.value() <= 0.2));
+        assert_eq!(answer.patchwork.panels[0].outline.len(), loops);
+    }
+}

@@ -48,12 +48,42 @@ pub(crate) struct Row {
     pub face: Option<GivenFace>,
 }
 
+/// Shares of the tolerance that strips of faces may use at the rulings, in turn: what lies between these and along the border, and
+/// what proofs exceed distances by, needs the rest.
+const AT_RULINGS: [f64; 3] = [0.8, 0.5, 0.25];
+/// Share of the tolerance that they may be off between the rulings.
+const OFF_BETWEEN: f64 = 0.9;
+
+/// As [`strips_of_row`] for the row of a face: nearer at its rulings until they are near between them, too.
+pub(crate) fn strips_of_face(row: &mut Row, most: usize, options: &RowsAsked, control: &Control) -> RowStrips {
+    let estimates = row.estimates.clone();
+    let mut best: Option<RowStrips> = None;
+    for share in AT_RULINGS {
+        row.estimates.clone_from(&estimates);
+        let asked = RowsAsked { tolerance: share * options.tolerance, ..options.clone() };
+        let found = strips_of_row(row, most, &asked, control);
+        let off = row.face.as_ref().map_or(0.0, |f| f.off_between(&found.strips, control));
+        let near = off <= OFF_BETWEEN * options.tolerance;
+        // Finer attempts that miss rulings are none.
+        if best.is_some() && !(near && found.missed.is_empty()) {
+            continue;
+        }
+        best = Some(found);
+        if near || control.stopped() {
+            break;
+        }
+    }
+    best.unwrap_or_else(|| strips_of_row(row, most, options, control))
+}
+
 /// Strips of one row.
 pub(crate) struct RowStrips {
     /// The strips.
     pub strips: Vec<Strip>,
     /// The elements that they were fitted to: one of the estimates.
     pub elements: Vec<ContactElement>,
+    /// Of each strip those that it was fitted to.
+    pub ranges: Vec<Range<usize>>,
     /// Elements without a strip, and why.
     pub missed: Vec<(Range<usize>, StripReason)>,
     /// Whether the strip is the face as it was.
@@ -78,8 +108,11 @@ pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, con
         _ => best(estimates, most, options, control),
     };
     let which = found.as_ref().map_or(0, |f| f.0);
+    let all = || vec![0..estimates.get(which).map_or(0, Vec::len)];
+    let mut ranges = if own.is_empty() { Vec::new() } else { all() };
     if let Some((_, found)) = found {
         let elements = &estimates[which];
+        ranges = found.ranges.clone();
         let reason = |range: &Range<usize>| unfollowed(&elements[range.clone()], options);
         missed.extend(found.missed.into_iter().map(|(range, why)| {
             let why = why.unwrap_or_else(|| reason(&range));
@@ -94,11 +127,11 @@ pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, con
         let beyond = certified(&own, &estimates[which], control).beyond(options.tolerance);
         if own.is_empty() || beyond > 0 || no_simpler(&own, strip) {
             is_face = true;
-            own = vec![strip.clone()];
+            (own, ranges) = (vec![strip.clone()], all());
             missed.clear();
         }
     }
-    RowStrips { strips: own, elements: std::mem::take(&mut row.estimates[which]), missed, is_face }
+    RowStrips { strips: own, elements: std::mem::take(&mut row.estimates[which]), ranges, missed, is_face }
 }
 
 /// Strips for one row.

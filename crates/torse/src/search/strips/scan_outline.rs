@@ -1,6 +1,7 @@
 //! Scanned strips, and their flat patterns, cut back to the border of the points \[EKS83\], where these lie on the judged
 //! strips; and what the judge says of that.
 
+use super::given_outline::{cut as cut_given, Cut, GivenBorder};
 use crate::certify;
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::flat::outlined_parts;
@@ -42,7 +43,7 @@ pub(crate) struct Ended {
     pub keeps: Vec<Option<[f64; 2]>>,
     /// What is known of outlines that follow points; `None` if there are none.
     pub outlines: Option<Outlines>,
-    /// Names of the parts that are whole.
+    /// Names of the parts that are whole and should not be.
     pub whole: Vec<String>,
 }
 
@@ -56,6 +57,8 @@ impl Ended {
 
 /// Share of the tolerance by which chords of outlines may lie beside the strips.
 const CHORD: f64 = 0.02;
+/// The same where rulings or faces are given: their borders are longer curves than those of points.
+pub(crate) const GIVEN_CHORD: f64 = 0.05;
 
 /// What outlines follow.
 #[derive(Clone, Copy)]
@@ -64,6 +67,8 @@ pub(crate) enum Followed<'a> {
     Points(&'a PointCertificate, f64),
     /// Facets of a coarse mesh, for each strip, with the distance (mm) that these may lie off a smooth sheet through their corners.
     Facets(&'a Cloud, &'a [Vec<u32>], f64),
+    /// What each strip should end at; `None` where that is nothing, and the strip stays whole.
+    Given(&'a [Option<GivenBorder>]),
 }
 
 /// Cuts strips and their flat patterns back to the border of what they follow, and has the patterns
@@ -76,9 +81,10 @@ pub(crate) fn outlined(
     tolerance: f64,
     control: &Control,
 ) -> Ended {
-    let chord = CHORD * tolerance;
+    let chord = tolerance * if matches!(followed, Followed::Given(_)) { GIVEN_CHORD } else { CHORD };
     let mut loops: Vec<Option<Vec<CarriedLoop>>> = vec![None; strips.len()];
     let mut found: Vec<Option<ScanOutline>> = vec![None; strips.len()];
+    let mut there: Vec<Option<[f64; 2]>> = vec![None; strips.len()];
     for pattern in &laid.patterns {
         let k = laid.parts.get(pattern.panel).map_or(usize::MAX, |p| p.first);
         let Some((strip, development)) = strips.get(k).and_then(|s| Some((s, Development::new(&s.patch, side).ok()?)))
@@ -88,13 +94,20 @@ pub(crate) fn outlined(
         // Patterns are seen from outside or from inside: mirrored where that is the other side.
         let Some(mirrored) = mirrored(pattern, &development) else { continue };
         let shown = Shown { development: &development, patch: &strip.patch, mirrored, chord };
-        let outline = match followed {
+        let cut = match followed {
             Followed::Points(certificate, near) => cut(&shown, k as u32, certificate, near),
             Followed::Facets(cloud, facets, bulge) => {
                 facets.get(k).and_then(|f| cut_mesh(&shown, strip, (cloud, &f[..]), bulge, control))
             }
+            Followed::Given(borders) => {
+                let border = borders.get(k).and_then(Option::as_ref);
+                border.and_then(|b| cut_given(&shown, strip, b, tolerance, control))
+            }
         };
-        if let Some((outline, carried)) = outline {
+        if let Some(Cut::Whole(keeps)) = &cut {
+            there[k] = Some(*keeps);
+        }
+        if let Some(Cut::At(outline, carried)) = cut {
             (found[k], loops[k]) = (Some(outline), Some(carried));
         } else {
             // A file holds trimmed panels or whole strips: beside trimmed ones these end where their patches do.
@@ -102,7 +115,9 @@ pub(crate) fn outlined(
         }
     }
     if found.iter().all(Option::is_none) || loops.iter().any(Option::is_none) {
-        return Ended::whole(strips);
+        let (keeps, mut ended) = (there, Ended::whole(strips));
+        ended.whole.retain(|name| !ended.panels.iter().zip(&keeps).any(|(p, k)| k.is_some() && p.strip.name == *name));
+        return Ended { keeps, ..ended };
     }
     let mut panels: Vec<Panel> = strips.into_iter().map(Panel::from).collect();
     let mut drawn: Vec<Vec<Contour>> = Vec::new();
@@ -128,19 +143,17 @@ pub(crate) fn outlined(
             closed: all().map(|f| f.closed).sum(),
             stray: all().map(|f| f.stray).sum(),
         }),
-        whole: panels.iter().zip(&found).filter(|p| p.1.is_none()).map(|p| p.0.strip.name.clone()).collect(),
-        keeps: found.iter().map(|f| f.as_ref().map(|f| f.keeps)).collect(),
+        whole: (panels.iter().zip(&found).zip(&there))
+            .filter(|((_, found), there)| found.is_none() && there.is_none())
+            .map(|((p, _), _)| p.strip.name.clone())
+            .collect(),
+        keeps: found.iter().zip(there).map(|(f, there)| f.as_ref().map(|f| f.keeps).or(there)).collect(),
         panels,
     }
 }
 
 /// The outline of the points that lie on a strip, in the plane and on its patch.
-fn cut(
-    shown: &Shown,
-    strip: u32,
-    certificate: &PointCertificate,
-    near: f64,
-) -> Option<(ScanOutline, Vec<CarriedLoop>)> {
+fn cut(shown: &Shown, strip: u32, certificate: &PointCertificate, near: f64) -> Option<Cut> {
     let own = certificate.places().iter().zip(certificate.bounds()).filter(|(p, b)| p.0 == strip && **b <= near);
     let places: Vec<[f64; 2]> = own.map(|((_, u, v), _)| [f64::from(*u), f64::from(*v)]).collect();
     let points: Vec<Vec2> = places.iter().map(|q| shown.flat(q)).collect();
@@ -152,7 +165,7 @@ fn cut(
         shown.carried(&places.into_iter().zip(sharp(l)).collect::<Vec<_>>(), true)
     });
     let carried = carried.collect::<Option<Vec<_>>>()?;
-    Some((found, carried))
+    Some(Cut::At(found, carried))
 }
 
 /// The border of facets, in the plane and on the patch of their strip. `None` where they are no sheet with one border there.
@@ -162,7 +175,7 @@ fn cut_mesh(
     (cloud, facets): (&Cloud, &[u32]),
     bulge: f64,
     control: &Control,
-) -> Option<(ScanOutline, Vec<CarriedLoop>)> {
+) -> Option<Cut> {
     let triangles: Vec<[u32; 3]> = facets.iter().map(|&f| cloud.triangles[f as usize]).collect();
     let corners: Vec<u32> = triangles.iter().flatten().copied().collect::<BTreeSet<u32>>().into_iter().collect();
     let points: Vec<Vec3> = corners.iter().map(|&c| cloud.points[c as usize]).collect();
@@ -178,7 +191,7 @@ fn cut_mesh(
         .map(|(l, drawn)| shown.carried(&l.iter().map(|c| places[c]).zip(sharp(drawn)).collect::<Vec<_>>(), true));
     let carried = carried.collect::<Option<Vec<_>>>()?;
     let outline = ScanOutline { loops: drawn, spacing: 0.0, keeps: [0.0, bulge], closed: 0, stray: 0 };
-    Some((outline, carried))
+    Some(Cut::At(outline, carried))
 }
 
 /// The border of a whole strip; `None` where a rail is a point.

@@ -1,8 +1,9 @@
 //! Sentences on fits.
 
 use super::super::counted_name;
-use super::super::numbers::length;
+use super::super::numbers::{length, place};
 use crate::answer::note::{Became, FaceNote, FitNote, Outlines, SplineSize};
+use crate::geom::Vec3;
 
 pub(super) fn words(note: &FitNote) -> String {
     match note {
@@ -15,6 +16,8 @@ pub(super) fn words(note: &FitNote) -> String {
             let told: fn(&Outlines) -> String = if *mesh { of_mesh } else { outlined };
             outlines.iter().map(told).chain(apart).collect::<Vec<_>>().join(" ")
         }
+        FitNote::Given { faces, whole } => given(*faces, whole),
+        FitNote::Gap { apart, usual, at, count, bulge_estimate } => gap([*apart, *usual], at, *count, *bulge_estimate),
         FitNote::Lonely { count } => {
             format!("{count} points lie too far from others to belong to a surface; they are judged all the same.")
         }
@@ -40,6 +43,49 @@ pub(super) fn words(note: &FitNote) -> String {
         FitNote::Face(note) => face(note),
         FitNote::At(what) => format!("Distances are proven at the {}, not between them.", counted_name(*what)),
     }
+}
+
+fn given(faces: bool, whole: &[String]) -> String {
+    let (ends, proven) = match faces {
+        true => (
+            "at the border of the given faces, holes included",
+            "that no place of a strip as it is cut is farther from its face than told, and no place of the face from the strip",
+        ),
+        false => (
+            "where the given rulings end: through their ends along a curve where these lie on one, else straight when laid flat",
+            "how far ends of rulings are from the strips as they are cut, and how far any place of these is from the straight \
+             stretches between neighbouring rulings, from which a bent sheet bulges",
+        ),
+    };
+    let names = whole.join(", ");
+    let whole = if whole.is_empty() {
+        String::new()
+    } else {
+        format!(" Not cut, because that is no single border on the strip, and to be trimmed by hand: {names}.")
+    };
+    format!("Strips and flat patterns end {ends}. Proven is {proven}.{whole}")
+}
+
+fn gap([apart, usual]: [f64; 2], at: &[Vec3; 2], count: usize, bulge: Option<f64>) -> String {
+    let others = match count {
+        0 | 1 => String::new(),
+        2 => " There is another such stretch.".into(),
+        n => format!(" There are {} other such stretches.", n - 1),
+    };
+    let across = bulge.map_or_else(
+        || "No strip lies there".into(),
+        |b| {
+            format!("The strip goes on across them, {} beside the straight stretch between both (estimated)", length(b))
+        },
+    );
+    format!(
+        "Two neighbouring rulings are {} apart, around {} and {}; usual are {}. {across}: nothing is given there. Rulings of two \
+         sheets belong in two files.{others}",
+        length(apart),
+        place(&at[0]),
+        place(&at[1]),
+        length(usual)
+    )
 }
 
 fn of_mesh(found: &Outlines) -> String {

@@ -108,7 +108,15 @@ pub(super) fn words(reason: &StripReason) -> String {
         }
         StripReason::OutlineOutside { within, at } => {
             let around = at.map_or(String::new(), |p| format!(", around {}", place(&p)));
-            format!("its outline is not shown to keep within {} of the points{around}", length(*within))
+            format!("its outline is not shown to keep within {} of what is given{around}", length(*within))
+        }
+        StripReason::EndOutside { within, worst } => {
+            let worst = worst.map_or(String::new(), |p| format!(": that at {}", place(&p)));
+            format!("an end of a ruling is not shown to lie within {} of what its outline leaves of it{worst}", length(*within))
+        }
+        StripReason::FromFace { within, seen } => {
+            let seen = seen.map_or(String::new(), |(far, p)| format!(", seen: {} at {}", length(far), place(&p)));
+            format!("it and its face are not shown to lie within {} of each other{seen}", length(*within))
         }
         StripReason::Outline(fault, at) => {
             let at = at.map_or(String::new(), |p| format!(" at {}", place(&p)));

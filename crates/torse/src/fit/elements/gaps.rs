@@ -1,0 +1,116 @@
+//! Where rulings leave much more room between two neighbours than elsewhere, and the groups that belong to sheets of their own.
+
+use super::given::FEWEST;
+use super::ruling_order::ordered;
+use crate::geom::Vec3;
+
+/// Distance of neighbours that is told of, in median distances: rulings of one sheet lie closer where it bends more.
+const WIDE: f64 = 5.0;
+/// Distance of neighbours that belong to two sheets if the sheet between them would not be plane, in median distances.
+const APART: f64 = 10.0;
+/// Sagitta of an arc as a share of its chord and of the angles (rad) between both at its two ends, added.
+const SAGITTA: f64 = 0.125;
+
+/// A wide stretch between neighbouring rulings.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Gap {
+    /// Index of the first of both.
+    pub after: usize,
+    /// Mean distance of their ends, mm.
+    pub apart: f64,
+    /// Median of that over all neighbours, mm.
+    pub usual: f64,
+}
+
+/// Mean distance of the ends of neighbours, mm.
+pub(crate) fn steps(row: &[[Vec3; 2]]) -> Vec<f64> {
+    row.windows(2).map(|w| 0.5 * ((w[0][0] - w[1][0]).norm() + (w[0][1] - w[1][1]).norm())).collect()
+}
+
+/// The wide stretches of a row in order, the widest first.
+pub(crate) fn gaps(row: &[[Vec3; 2]]) -> Vec<Gap> {
+    let steps = steps(row);
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let Some(&usual) = sorted.get(sorted.len() / 2) else { return Vec::new() };
+    let wide = steps.into_iter().enumerate().filter(|(_, s)| *s > WIDE * usual);
+    let mut out: Vec<Gap> = wide.map(|(after, apart)| Gap { after, apart, usual }).collect();
+    out.sort_by(|a, b| b.apart.total_cmp(&a.apart));
+    out
+}
+
+/// A row in order, parted where a sheet across a gap would be an invention: it is far wider than others, and the sheets at its
+/// sides do not go on into one plane within the tolerance (mm). Groups with too few rulings stay with their neighbours.
+pub(crate) fn groups(row: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
+    let mut cuts: Vec<usize> = gaps(row)
+        .into_iter()
+        .filter(|g| g.apart > APART * g.usual && !is_plane(row, g.after, tolerance))
+        .map(|g| g.after + 1)
+        .collect();
+    cuts.sort_unstable();
+    let (mut out, mut from) = (Vec::new(), 0);
+    for to in cuts {
+        if to - from >= FEWEST && row.len() - to >= FEWEST {
+            out.push(row[from..to].to_vec());
+            from = to;
+        }
+    }
+    out.push(row[from..].to_vec());
+    out
+}
+
+/// Rulings in order, in groups that belong to sheets of their own: see [`groups`].
+pub(crate) fn sheets(rulings: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
+    let usable = rulings.iter().flatten().all(|p| p.iter().all(|x| x.is_finite()));
+    if usable {
+        groups(&ordered(rulings), tolerance)
+    } else {
+        vec![rulings.to_vec()]
+    }
+}
+
+/// Whether the stretch after a ruling is plane with both of its neighbours, as far as the tolerance shows.
+fn is_plane(row: &[[Vec3; 2]], after: usize, tolerance: f64) -> bool {
+    let normal = |k: usize| {
+        let [p, q] = [row.get(k)?, row.get(k + 1)?];
+        ((p[1] - p[0]) + (q[1] - q[0])).cross(&((q[0] - p[0]) + (q[1] - p[1]))).try_normalize(0.0)
+    };
+    let Some(own) = normal(after) else { return false };
+    let beside = [after.checked_sub(1), Some(after + 1)];
+    let turn: f64 = beside.iter().filter_map(|k| Some(normal((*k)?)?.angle(&own))).sum();
+    let wide = (row[after][0] - row[after + 1][0]).norm().max((row[after][1] - row[after + 1][1]).norm());
+    SAGITTA * wide * turn <= tolerance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rulings of a cylinder of radius 100, at angles.
+    fn cylinder(angles: impl Iterator<Item = f64>) -> Vec<[Vec3; 2]> {
+        angles.map(|a| [0.0, 80.0].map(|z| Vec3::new(100.0 * a.cos(), 100.0 * a.sin(), z))).collect()
+    }
+
+    #[test]
+    fn two_groups_are_parted_and_a_wide_stretch_of_one_sheet_is_not() {
+        let two = cylinder((0..10).map(|k| 0.05 * f64::from(k) + if k < 5 { 0.0 } else { 1.0 }));
+        assert_eq!(gaps(&two).iter().map(|g| g.after).collect::<Vec<_>>(), [4]);
+        assert_eq!(groups(&two, 0.1).iter().map(Vec::len).collect::<Vec<_>>(), [5, 5]);
+        let one = cylinder((0..10).map(|k| 0.05 * f64::from(k)));
+        assert!(gaps(&one).is_empty() && groups(&one, 0.1).len() == 1);
+        // A plane between two bends is one sheet with them.
+        let flat = |k: i32| {
+            let (x, z) = (f64::from(k), 0.01 * f64::from(k - 4).powi(2));
+            let x = if k < 5 { x } else { x + 60.0 };
+            [
+                Vec3::new(x, 0.0, if k < 5 { z } else { 0.01 * f64::from(k - 5).powi(2) }),
+                Vec3::new(x, 50.0, if k < 5 { z } else { 0.01 * f64::from(k - 5).powi(2) }),
+            ]
+        };
+        let bends: Vec<[Vec3; 2]> = (0..10).map(flat).collect();
+        assert_eq!((gaps(&bends).len(), groups(&bends, 0.5).len()), (1, 1));
+        // Too few for a sheet of their own.
+        let few = cylinder((0..10).map(|k| 0.05 * f64::from(k) + if k < 8 { 0.0 } else { 1.0 }));
+        assert_eq!(groups(&few, 0.1).len(), 1);
+    }
+}

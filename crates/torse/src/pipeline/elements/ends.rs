@@ -1,0 +1,191 @@
+//! Where strips of rulings and faces end, what is proven of that, and what is said of it.
+
+use crate::answer::note::{FitNote, Note};
+use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Subject, UpperBound, What};
+use crate::certify::nearness::panels_from_faces;
+use crate::certify::points::points;
+use crate::certify::trimmed::{trimmed, Measured, TrimmedCertificate};
+use crate::control::Control;
+use crate::fit::elements::gaps::{gaps, steps};
+use crate::geom::cloud::Cloud;
+use crate::geom::Vec3;
+use crate::patchwork::panel::Panel;
+use crate::reason::{Item, Reason, StripReason};
+use crate::search::strips::cut::Laid;
+use crate::search::strips::given_outline::GivenBorder;
+use crate::search::strips::rows::RowStrips;
+use crate::search::strips::ruled_face::GivenFace;
+use crate::search::strips::scan_outline::{outlined, Ended, Followed, GIVEN_CHORD};
+use crate::torse::strip::Strip;
+use std::ops::Range;
+
+/// Where what is given ends.
+#[derive(Default)]
+pub(super) struct Ends {
+    /// What each strip should end at; none of tangent planes without rulings.
+    borders: Vec<Option<GivenBorder>>,
+    /// Given faces with the strips in their place.
+    faces: Vec<(Face, Range<usize>)>,
+    /// Given rulings, row by row.
+    rows: Vec<Vec<[Vec3; 2]>>,
+}
+
+impl Ends {
+    /// Adds the strips of a row.
+    pub fn add(&mut self, found: &RowStrips, face: Option<&GivenFace>, tolerance: f64) {
+        let first = self.borders.len();
+        let border = |range: &Range<usize>| match face {
+            Some(face) => face.border(range, GIVEN_CHORD * tolerance).map(GivenBorder::Face),
+            None => found.elements.get(range.clone()).and_then(GivenBorder::of),
+        };
+        self.borders.extend(found.ranges.iter().map(border));
+        match face {
+            Some(face) => self.faces.push((face.face.clone(), first..self.borders.len())),
+            None => self.rows.push(found.elements.iter().filter(|e| e.has_ruling()).map(|e| e.ends).collect()),
+        }
+    }
+
+    /// Strips and their flat patterns cut back to where what is given ends.
+    pub fn cut(&self, strips: &[Strip], laid: &mut Laid, side: f64, tolerance: f64, control: &Control) -> Ended {
+        match control.stopped() || self.is_open() {
+            true => Ended { whole: Vec::new(), ..Ended::whole(strips.to_vec()) },
+            false => outlined(strips.to_vec(), laid, Followed::Given(&self.borders), side, tolerance, control),
+        }
+    }
+
+    /// Whether nothing says where strips should end.
+    fn is_open(&self) -> bool {
+        self.faces.is_empty() && self.borders.iter().all(Option::is_none)
+    }
+
+    /// Whether faces are given, of which all places are proven.
+    pub fn of_faces_only(&self) -> bool {
+        !self.faces.is_empty()
+    }
+
+    /// What the judge says of where panels end.
+    pub fn claims(&self, ended: &Ended, tolerance: f64, control: &Control) -> Vec<Claim> {
+        if self.is_open() || ended.panels.is_empty() {
+            return Vec::new();
+        }
+        let sheets: Vec<Cloud> = self.borders.iter().flatten().map(GivenBorder::sheet).collect();
+        let mut given = Cloud::default();
+        for sheet in sheets {
+            let first = given.points.len() as u32;
+            given.points.extend(sheet.points);
+            given.triangles.extend(sheet.triangles.into_iter().map(|t| t.map(|k| k + first)));
+        }
+        let strips: Vec<Strip> = ended.panels.iter().map(|p| p.strip.clone()).collect();
+        let places = points(&strips, &given.points, control);
+        let measured = Measured { points: &given.points, triangles: &given.triangles, places: &places };
+        // Bounds of the way back need not be much sharper than what outlines keep to.
+        let within = ended.keeps.iter().flatten().map(|k| SHARP * k[1]).fold(tolerance, f64::max);
+        let proofs = trimmed(&ended.panels, &measured, within, control);
+        let mut out = Vec::new();
+        let rulings = self.faces.is_empty();
+        let whole = Subject::Whole;
+        let most = |bound: fn(&TrimmedCertificate) -> UpperBound| UpperBound::largest(proofs.iter().map(bound));
+        if rulings {
+            out.push(Claim::at_most(What::EndDistance, whole, most(TrimmedCertificate::beyond_bound)));
+            out.push(Claim::at_most(What::BeyondRulings, whole, most(TrimmedCertificate::reach_bound)));
+            let widest = self.rows.iter().flat_map(|r| steps(r)).reduce(f64::max);
+            out.extend(widest.map(|w| Claim::measured(What::RulingGap, whole, w)));
+        }
+        out.push(Claim::at_most(What::EdgeDistance, whole, most(TrimmedCertificate::edge_bound)).within(tolerance));
+        for (k, proof) in proofs.iter().enumerate() {
+            let told = |reason: StripReason| Reason::of(Item::Named(ended.panels[k].strip.name.clone()), reason);
+            if let Some((fault, at)) = proof.fault() {
+                out.push(Claim::objection(Subject::Panel(k), told(StripReason::Outline(fault, at))));
+            }
+            if rulings {
+                let worst = proof.worst().and_then(|i| given.points.get(i).copied());
+                out.extend(
+                    of_panel(k, ended.keeps.get(k).copied().flatten(), proof, worst, tolerance)
+                        .map(|(c, r)| c.because(told(r))),
+                );
+            }
+        }
+        out.extend(self.of_faces(&ended.panels, tolerance, control));
+        out
+    }
+
+    /// Two-sided distances between faces and what took their place.
+    fn of_faces(&self, panels: &[Panel], tolerance: f64, control: &Control) -> Vec<Claim> {
+        let mut out = Vec::new();
+        let mut worst = UpperBound::nothing();
+        for (face, own) in &self.faces {
+            let own: Vec<(usize, &Panel)> = panels.iter().enumerate().take(own.end).skip(own.start).collect();
+            let Some((first, panel)) = own.first() else { continue };
+            let near: Vec<&Panel> = own.iter().map(|p| p.1).collect();
+            let found = panels_from_faces(&near, std::slice::from_ref(face), tolerance, control);
+            let bound = found.map_or(UpperBound::UNKNOWN, |f| f.there.max(f.back));
+            worst = worst.max(bound);
+            let seen = found.map(|f| (f.seen, f.place));
+            let reason =
+                Reason::of(Item::Named(panel.strip.name.clone()), StripReason::FromFace { within: tolerance, seen });
+            let claim = |k: usize| Claim::at_most(What::FaceDistance, Subject::Panel(k), bound).within(tolerance);
+            out.push(claim(*first).because(reason));
+            out.extend(own.iter().skip(1).map(|p| claim(p.0)));
+        }
+        if !self.faces.is_empty() {
+            out.insert(0, Claim::at_most(What::FaceDistance, Subject::Whole, worst));
+        }
+        out
+    }
+
+    /// What is said of where strips end and, where `rulings` are given, of wide stretches between them.
+    pub fn notes(&self, ended: &Ended, rulings: bool, control: &Control) -> Vec<Note> {
+        let mut out = Vec::new();
+        if !self.is_open() && !ended.panels.is_empty() {
+            out.push(FitNote::Given { faces: !self.faces.is_empty(), whole: ended.whole.clone() });
+        }
+        if rulings {
+            out.extend(self.gaps(ended, control));
+        }
+        out.into_iter().map(Note::Fit).collect()
+    }
+
+    /// The widest stretch between neighbouring rulings, if it is much wider than others.
+    fn gaps(&self, ended: &Ended, control: &Control) -> Option<FitNote> {
+        let all: Vec<[Vec3; 2]> = self.rows.iter().flatten().copied().collect();
+        let found = gaps(&all);
+        let gap = found.first()?;
+        let pair = [all.get(gap.after)?, all.get(gap.after + 1)?];
+        // The first ruling of a row has none before it.
+        let mut last = 0;
+        let parted = self.rows.iter().any(|r| {
+            last += r.len();
+            last == gap.after + 1
+        });
+        let middle = pair.iter().flat_map(|r| r.iter()).sum::<Vec3>() * 0.25;
+        let strips: Vec<Strip> = ended.panels.iter().map(|p| p.strip.clone()).collect();
+        let bulge_estimate = (!parted).then(|| points(&strips, &[middle], control).worst_bound().value());
+        let at = pair.map(|r| (r[0] + r[1]) * 0.5);
+        Some(FitNote::Gap { apart: gap.apart, usual: gap.usual, at, count: found.len(), bulge_estimate })
+    }
+}
+
+/// What is claimed of where a strip of rulings ends, each with what is the matter if it does not hold. `keeps` is what it should
+/// keep to, see [`Ended::keeps`].
+fn of_panel(
+    k: usize,
+    keeps: Option<[f64; 2]>,
+    proof: &TrimmedCertificate,
+    worst: Option<Vec3>,
+    tolerance: f64,
+) -> impl Iterator<Item = (Claim, StripReason)> {
+    let [ends, reach] = keeps.unwrap_or([tolerance; 2]).map(|within| (1.0 + SLACK) * within);
+    let subject = Subject::Panel(k);
+    let beyond = Claim::at_most(What::EndDistance, subject, proof.beyond_bound()).within(ends);
+    let far = StripReason::EndOutside { within: ends, worst };
+    let reached = Claim::at_most(What::BeyondRulings, subject, proof.reach_bound()).within(reach);
+    let farther = StripReason::OutlineOutside { within: reach, at: proof.farthest() };
+    [(beyond, far), (reached, farther)].into_iter()
+}
+
+/// Share of what outlines keep to below which distances from the stretches between rulings are not told apart.
+const SHARP: f64 = 0.6;
+/// What bounds of the ends may exceed by what outlines are made to keep to, as a share: a bound is up to a tenth above the
+/// distance, and chords of the outline take a little.
+const SLACK: f64 = 0.15;

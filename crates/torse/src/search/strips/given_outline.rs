@@ -1,0 +1,189 @@
+//! Where strips of given rulings and faces end: outlines through the ends of the rulings, or along the border of the face, in
+//! the plane and on the patch \[PW99, 4.3: the segments of interest\]. How near outlines keep to these is judged elsewhere.
+
+use crate::certify::points::points;
+use crate::control::Control;
+use crate::develop::scanned::{area, needed, sharp, CarriedLoop, ScanOutline, Shown};
+use crate::develop::smooth_ends::through;
+use crate::geom::cloud::Cloud;
+use crate::geom::{Vec2, Vec3};
+use crate::torse::contact::ContactElement;
+use crate::torse::strip::Strip;
+
+/// What a strip should end at.
+#[derive(Clone, Debug)]
+pub(crate) enum GivenBorder {
+    /// The rulings of these elements, neighbours beside each other and all in one direction.
+    Rulings(Vec<[Vec3; 2]>),
+    /// The border of a face: closed loops of places that are dense enough for its curves, the outer one first.
+    Face(Vec<Vec<Vec3>>),
+}
+
+/// Share of the tolerance within which a whole strip ends where it should: its smooth edges stay then.
+const ENDS: f64 = 0.3;
+/// Gauss–Newton steps to the last digits.
+const STEPS: usize = 3;
+/// Places along each border of a strip at which that is looked at.
+const LOOKS: usize = 512;
+/// Shares of rulings at which the sheet between two of them is compared with straight lines.
+const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+impl GivenBorder {
+    /// The border of elements with rulings; `None` if some have none.
+    pub fn of(elements: &[ContactElement]) -> Option<Self> {
+        let all = elements.len() > 1 && elements.iter().all(ContactElement::has_ruling);
+        all.then(|| Self::Rulings(elements.iter().map(|e| e.ends).collect()))
+    }
+
+    /// What is given, as points and, between neighbouring rulings, two triangles each.
+    pub fn sheet(&self) -> Cloud {
+        match self {
+            Self::Rulings(all) => {
+                let points = all.iter().flatten().copied().collect();
+                let between = (1..all.len() as u32).map(|k| 2 * k);
+                let triangles = between.flat_map(|k| [[k - 2, k - 1, k + 1], [k - 2, k + 1, k]]).collect();
+                Cloud { points, triangles }
+            }
+            Self::Face(loops) => Cloud { points: loops.iter().flatten().copied().collect(), triangles: Vec::new() },
+        }
+    }
+}
+
+/// Where a strip is cut.
+pub(super) enum Cut {
+    /// It ends where it should already; the numbers are those of an outline, see [`ScanOutline::keeps`].
+    Whole([f64; 2]),
+    /// At this outline.
+    At(ScanOutline, Vec<CarriedLoop>),
+}
+
+/// The outline of a strip in the plane and on its patch. `None` where the border is none on the strip.
+pub(super) fn cut(
+    shown: &Shown,
+    strip: &Strip,
+    border: &GivenBorder,
+    tolerance: f64,
+    control: &Control,
+) -> Option<Cut> {
+    let (loops, off) = match border {
+        GivenBorder::Rulings(all) => {
+            let (outline, beside) = around(shown, strip, all, control)?;
+            (vec![outline], beside + bulge(strip, all, control))
+        }
+        GivenBorder::Face(loops) => {
+            let thin = |l: &Vec<Vec3>| {
+                let all = places(strip, l, control);
+                let flat: Vec<Vec2> = all.iter().map(|q| shown.flat(q)).collect();
+                let kept: Vec<[f64; 2]> = needed(&flat, 0.5 * shown.chord).into_iter().map(|k| all[k]).collect();
+                (kept.len() > 2).then_some(kept)
+            };
+            (loops.iter().map(thin).collect::<Option<Vec<_>>>()?, 0.0)
+        }
+    };
+    let mut flat: Vec<Vec<Vec2>> = loops.iter().map(|l| l.iter().map(|q| shown.flat(q)).collect()).collect();
+    let turned = area(flat.first()?) < 0.0;
+    let mut loops = loops;
+    if turned {
+        flat.iter_mut().for_each(|l| l.reverse());
+        loops.iter_mut().for_each(|l| l.reverse());
+    }
+    let keeps = [tolerance, tolerance + off];
+    if flat.len() == 1 && ends_there(shown, &flat[0], ENDS * tolerance) {
+        return Some(Cut::Whole(keeps));
+    }
+    let carried = loops
+        .iter()
+        .zip(&flat)
+        .map(|(places, flat)| shown.carried(&places.iter().copied().zip(sharp(flat)).collect::<Vec<_>>(), true));
+    let carried = carried.collect::<Option<Vec<_>>>()?;
+    Some(Cut::At(ScanOutline { loops: flat, spacing: 0.0, keeps, closed: 0, stray: 0 }, carried))
+}
+
+/// Places of points on a strip.
+fn places(strip: &Strip, x: &[Vec3], control: &Control) -> Vec<[f64; 2]> {
+    let on = points(std::slice::from_ref(strip), x, control);
+    let (a, b) = strip.domain();
+    let near = |(_, u, v): &(u32, f32, f32)| [f64::from(*u).clamp(a, b), f64::from(*v).clamp(0.0, 1.0)];
+    on.places().iter().zip(x).map(|(place, x)| foot(strip, x, near(place))).collect()
+}
+
+/// The place of a strip nearest to a point from one that is known to seven digits.
+fn foot(strip: &Strip, x: &Vec3, mut at: [f64; 2]) -> [f64; 2] {
+    let (from, to) = strip.domain();
+    for _ in 0..STEPS {
+        let j = strip.patch.jet(at[0], at[1]);
+        let w = x - j.p;
+        let (a, b, c) = (j.du.norm_squared(), j.du.dot(&j.dv), j.dv.norm_squared());
+        let (p, q) = (w.dot(&j.du), w.dot(&j.dv));
+        let next = [at[0] + (c * p - b * q) / (a * c - b * b), at[1] + (a * q - b * p) / (a * c - b * b)];
+        let next = [next[0].clamp(from, to), next[1].clamp(0.0, 1.0)];
+        let nearer = (x - strip.patch.point(next[0], next[1])).norm_squared() < w.norm_squared();
+        if !nearer {
+            break;
+        }
+        at = next;
+    }
+    at
+}
+
+/// A closed loop through the ends of rulings, as places of a strip: curved where the ends lie on curves. And how far it lies
+/// beside the lines between the ends, mm.
+fn around(shown: &Shown, strip: &Strip, rulings: &[[Vec3; 2]], control: &Control) -> Option<(Vec<[f64; 2]>, f64)> {
+    let (mut out, mut beside): (Vec<[f64; 2]>, f64) = (Vec::new(), 0.0);
+    for side in 0..2 {
+        let mut ends = places(strip, &rulings.iter().map(|r| r[side]).collect::<Vec<_>>(), control);
+        // Rulings that are known up to some noise may be in another order at one side.
+        ends.sort_by(|p, q| p[0].total_cmp(&q[0]));
+        ends.dedup_by(|q, p| (shown.flat(p) - shown.flat(q)).norm() <= shown.chord);
+        let flat: Vec<Vec2> = ends.iter().map(|q| shown.flat(q)).collect();
+        let mut along = vec![*ends.first()?];
+        for ((inner, w), b) in through(&flat, shown.chord).iter().zip(flat.windows(2)).zip(ends.windows(2)) {
+            let ([a, b], d) = ([b[0], b[1]], w[1] - w[0]);
+            let off = |p: &Vec2| (d.perp(&(p - w[0])) / d.norm()).abs();
+            beside = inner.iter().map(off).fold(beside, f64::max);
+            let n = (inner.len() + 1) as f64;
+            let near = |k: usize| [0, 1].map(|d: usize| a[d] + (b[d] - a[d]) * (k + 1) as f64 / n);
+            along.extend(inner.iter().enumerate().map(|(k, p)| shown.place(p, near(k))));
+            along.push(b);
+        }
+        if side == 1 {
+            along.reverse();
+        }
+        out.extend(along);
+    }
+    out.dedup();
+    (out.len() > 2).then_some((out, beside))
+}
+
+/// How far a strip bulges from straight lines between neighbouring rulings, mm.
+fn bulge(strip: &Strip, rulings: &[[Vec3; 2]], control: &Control) -> f64 {
+    let middles: Vec<Vec3> = rulings
+        .windows(2)
+        .flat_map(|w| SHARES.map(|s| (w[0].map(|x| x * 0.5), w[1].map(|x| x * 0.5), s)))
+        .map(|(p, q, s)| (p[0] + q[0]) * (1.0 - s) + (p[1] + q[1]) * s)
+        .collect();
+    let on = points(std::slice::from_ref(strip), &middles, control);
+    on.bounds().iter().copied().fold(0.0, f64::max)
+}
+
+/// Whether a polygon of the plane and the border of a whole strip are within `off` (mm) of each other.
+fn ends_there(shown: &Shown, polygon: &[Vec2], off: f64) -> bool {
+    let (a, b) = shown.development.domain();
+    let share = |k: usize| k as f64 / LOOKS as f64;
+    let at = |u: f64, v: f64| shown.flat(&[a + (b - a) * u, v]);
+    let rail = |v: f64| (0..LOOKS).map(move |k| (share(k), v));
+    let border: Vec<Vec2> = rail(0.0)
+        .chain((0..LOOKS).map(|k| (1.0, share(k))))
+        .chain((1..=LOOKS).rev().map(|k| (share(k), 1.0)))
+        .chain((1..=LOOKS).rev().map(|k| (0.0, share(k))))
+        .map(|(u, v)| at(u, v))
+        .collect();
+    let near = |x: &Vec2, l: &[Vec2]| {
+        (0..l.len()).any(|k| {
+            let (p, d) = (l[k], l[(k + 1) % l.len()] - l[k]);
+            let s = if d.norm_squared() > 0.0 { ((x - p).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+            (p + d * s - x).norm() <= off
+        })
+    };
+    border.iter().all(|x| near(x, polygon)) && polygon.iter().all(|x| near(x, &border))
+}
