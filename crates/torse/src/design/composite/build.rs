@@ -354,12 +354,24 @@ impl Builder<'_> {
     }
 
     /// Differences along curves and across strips, and a metric in which smooth displacements are short.
+    /// A difference, or how far it is from what it was in the curves as given: developables that follow targets are as fair as
+    /// they were given, and only what moves them is smoothed.
+    fn as_given(&mut self, difference: Stencil) -> Stencil {
+        if self.composite.targets.is_empty() || self.composite.is_ruled() {
+            return difference;
+        }
+        let was = difference.value(&self.built.start);
+        let was = self.given(was);
+        difference.minus(&Stencil::point(was))
+    }
+
     fn fairness(&mut self) {
         let role = Role::Fair { weight: 1.0 };
         for (k, curve) in self.composite.curves.iter().enumerate() {
             let (g, points) = (greville(&curve.curve.knots), self.built.points[k].clone());
             for order in [2, 3] {
                 for s in along(&g, &points, order) {
+                    let s = self.as_given(s);
                     self.add(Vanish::new(&s, self.options.fairness), role, "fairness", Item::Fairness);
                 }
             }
@@ -410,6 +422,7 @@ impl Builder<'_> {
             let rows = self.built.points[a].iter().zip(&self.built.points[middle]).zip(&self.built.points[b]);
             let rows: Vec<Stencil> = rows.map(|((p, q), r)| across(*p, *q, *r)).collect();
             for row in rows {
+                let row = self.as_given(row);
                 self.add(Vanish::new(&row, self.options.fairness), role, "fairness", Item::Fairness);
             }
         }
