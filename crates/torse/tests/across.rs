@@ -138,3 +138,40 @@ fn a_joint_whose_sides_come_apart_is_not_exact() {
     let lost = judged(&|p| joint(p, &|r| r.border = Border::Trim { edge: 0 }));
     assert!(lost.0.is_none() && !lost.1, "{lost:?}");
 }
+
+/// Two bulging faces of 2 m beside a curved chine along which they turn by these angles (degrees, at its control points).
+fn chine(turns: [f64; 4]) -> Vec<Surface> {
+    let spine = [[0.0, 0.0, 0.0], [700.0, 90.0, -15.0], [1400.0, 150.0, 20.0], [2000.0, 160.0, 100.0]].map(Vec3::from);
+    // Towards the keel and towards the sheer: width, bulge, side.
+    let face = |width: f64, bulge: f64, side: f64| {
+        let rows = |i: usize| {
+            spine.iter().zip(turns).enumerate().map(move |(k, (p, turn))| {
+                let base = (35.0 + 3.0 * k as f64).to_radians();
+                let slope = base + side * 0.5 * turn.to_radians();
+                let along = Vec3::new(0.0, slope.cos(), slope.sin()) * (side * width * 0.5 * i as f64);
+                let inward = Vec3::new(0.0, -base.sin(), base.cos());
+                p + along + inward * if i == 2 { bulge } else { 0.0 }
+            })
+        };
+        let points: Vec<Vec3> = (0..3).flat_map(rows).collect();
+        let knots = |degree| Knots::clamped(degree, &[0.0, 1.0]).expect("knots");
+        Surface::new(knots(2), knots(3), &points, None).expect("a surface")
+    };
+    // Borders run against each other about normals that look to one side.
+    vec![face(300.0, 30.0, -1.0).reversed_u(), face(250.0, 25.0, 1.0)]
+}
+
+#[test]
+fn panels_of_faces_that_turn_little_end_in_one_edge() {
+    for turns in [[3.0; 4], [2.0, 6.0, 12.0, 20.0]] {
+        let answer = approximated(chine(turns), &[false; 2], 4.0);
+        let [panels, seams, joints] = counted(&answer);
+        let alone = |k: usize| {
+            let answer = approximated(vec![chine(turns).swap_remove(k)], &[false], 4.0);
+            answer.patchwork.panels.len()
+        };
+        assert_eq!(panels, alone(0) + alone(1));
+        let exact = answer.certificate.iter().flat_map(|c| &c.seams).filter(|s| s.status == SeamStatus::Exact).count();
+        assert!(joints >= 1 && exact == seams + joints, "{turns:?}: {panels} {seams} {joints} {exact}");
+    }
+}

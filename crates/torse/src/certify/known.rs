@@ -21,6 +21,12 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    /// Numbers of panels and seams.
+    #[cfg(test)]
+    pub(super) fn counts(&self) -> [usize; 2] {
+        [self.panels.lock().map_or(0, |p| p.len()), self.seams.lock().map_or(0, |s| s.len())]
+    }
+
     /// The proof of a panel, made if it is not known.
     pub(super) fn panel(&self, key: u64, prove: impl FnOnce() -> ProvenPanel) -> ProvenPanel {
         taken_over(&self.panels, key, prove)

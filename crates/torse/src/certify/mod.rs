@@ -59,7 +59,7 @@ pub use distance::{distance, DistanceOptions};
 pub(crate) use known::Known;
 pub(crate) use local::parameters_moved;
 pub use prepared::Prepared;
-pub(crate) use proof::patchwork_after;
 pub use proof::{join, join_pieces, patchwork};
+pub(crate) use proof::{known_of, patchwork_after};
 pub(crate) use verdict::Obstruction;
 pub use verdict::Verdict;

@@ -11,6 +11,7 @@ use super::prepared::Prepared;
 use super::ruled::{Ruled, RuledJets};
 use super::ruled_panel::ruled_panel;
 use super::seams::{self, SeamSide};
+use crate::brep::face::Face;
 use crate::control::Control;
 use crate::geom::BBox;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
@@ -164,6 +165,48 @@ fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<Option<
     sides
 }
 
+/// Surfaces ready for proofs, and how far their panels' regions were moved by what was before, mm.
+fn grounds_of<'a>(patchwork: &'a Patchwork, sides: &[Option<[f64; 2]>]) -> Vec<(Prepared<'a>, f64)> {
+    let of = |(f, off): (&'a Face, &Option<[f64; 2]>)| {
+        let prepared = Prepared::new(&f.surface);
+        let moved = way(&prepared, off.unwrap_or([0.0; 2])) + f.joint_bound() + f.trim_bound();
+        // Rounded up, and no bound at all if one of both is none.
+        (prepared, if moved >= f.joint_bound() { moved.next_up().next_up() } else { f64::INFINITY })
+    };
+    patchwork.faces.par_iter().zip(sides).map(of).collect()
+}
+
+/// What a certificate says of panels and seams, ready to be taken over by proofs of others on the same faces: of panels that are
+/// certified. Nothing where it is about another patchwork.
+pub(crate) fn known_of(certificate: &Certificate, patchwork: &Patchwork) -> Known {
+    let (out, tolerance) = (Known::default(), certificate.tolerance);
+    if !certificate.is_of(patchwork) {
+        return out;
+    }
+    let sides = coverage_of(patchwork, &mut CertificateParts::nothing(tolerance));
+    let grounds = grounds_of(patchwork, &sides);
+    let surfaces: Vec<u64> = patchwork.faces.iter().map(|f| fingerprint::of_surface(&f.surface)).collect();
+    patchwork.panels.par_iter().zip(&certificate.panels).filter(|(_, c)| c.certified).for_each(|(panel, proof)| {
+        let of = panel.trim.as_ref().filter(|t| t.form.torse().is_some()).zip(patchwork.partition_of(panel));
+        let Some((trim, partition)) = of else { return };
+        let (Some((_, moved)), Some(ruled)) = (grounds.get(trim.face), Ruled::new(&panel.strip.patch)) else { return };
+        let key = fingerprint::of_panel(panel, partition, (surfaces[trim.face], false), [*moved, tolerance]);
+        let jets = RuledJets::new(&ruled, place_on(&ruled).as_ref());
+        if let Some(key) = key {
+            out.panel(key, || (proof.0.clone(), Some(Arc::new(jets))));
+        }
+    });
+    let inside = patchwork.seams().into_iter().zip(&certificate.seams);
+    for (s, proof) in inside.filter(|(s, _)| (s.seam as usize) < patchwork.seam_count) {
+        // In the order in which proofs find them.
+        let mut sides = s.sides;
+        sides.sort_by_key(|side| side.panel);
+        let key = fingerprint::of_seam(sides.map(|side| (side.of, side.run)), tolerance);
+        out.seam(key, || Some((proof.gap_bound, proof.length_difference_bound)));
+    }
+    out
+}
+
 /// The proofs of all panels; result: their patches, ready for the seams.
 fn panels_of(
     patchwork: &Patchwork,
@@ -175,17 +218,7 @@ fn panels_of(
         Some(_) => patchwork.faces.iter().map(|f| fingerprint::of_surface(&f.surface)).collect(),
         None => Vec::new(),
     };
-    let grounds: Vec<(Prepared, f64)> = patchwork
-        .faces
-        .par_iter()
-        .zip(sides)
-        .map(|(f, off)| {
-            let prepared = Prepared::new(&f.surface);
-            let moved = way(&prepared, off.unwrap_or([0.0; 2])) + f.joint_bound() + f.trim_bound();
-            // Rounded up, and no bound at all if one of both is none.
-            (prepared, if moved >= f.joint_bound() { moved.next_up().next_up() } else { f64::INFINITY })
-        })
-        .collect();
+    let grounds = grounds_of(patchwork, sides);
     let done = std::sync::atomic::AtomicUsize::new(0);
     let total = patchwork.panels.len();
     let tolerance = out.tolerance;
@@ -569,6 +602,12 @@ mod tests {
         let (taken, fresh) = (again(&next), prove(&next, 1.05e-3));
         assert_eq!(bounds(&taken), bounds(&fresh));
         assert_eq!(taken.seams, fresh.seams);
+        // From a certificate as it is, too, if it is about the same patchwork.
+        let known = known_of(&fresh, &next);
+        assert_eq!(known.counts(), [2, 1]);
+        assert_eq!(bounds(&patchwork_after(&known, &next, 1.05e-3, &Control::default())), bounds(&fresh));
+        assert_eq!(known.counts(), [2, 1]);
+        assert_eq!(known_of(&fresh, &first).counts(), [0, 0]);
         assert_ne!(bounds(&taken)[1], bounds(&prove(&first, 1.05e-3))[1]);
     }
 

@@ -5,7 +5,7 @@ use super::build::{build_until, too_large, Built};
 use super::cover::{bent_panels, cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
 use super::joint::BorderCounts;
 use super::laid::{Laid, Task};
-use super::stitch::attempts::{lowered, met, unproven};
+use super::stitch::attempts::{met, unproven, Side};
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
 use super::{sheet, slivers};
 use crate::brep::face::Face;
@@ -165,13 +165,16 @@ pub(crate) struct Met {
 }
 
 impl Met {
-    /// The panels nearer to the border of the face where `borders` says that distances count more there, all proven and meeting
-    /// as they did; `None` where that is not possible.
-    pub(crate) fn lowered(&self, index: usize, borders: &BorderCounts, control: &Control) -> Option<Built> {
-        // What is missed already is told of the panels as they are.
-        let Apart { face, state, options, .. } = self.apart.as_ref().filter(|_| self.built.missing.is_empty())?;
-        let unproven = unproven(&self.built, control).into_iter().collect();
-        lowered(index, (face, state), (&self.built, unproven), (options, borders), control)
+    /// Whether its panels can be laid anew to meet those of other faces: what is missed already is told of the panels as they
+    /// are.
+    pub(crate) fn is_free(&self) -> bool {
+        self.apart.is_some() && self.built.missing.is_empty()
+    }
+
+    /// The face as one whose panels are laid anew to meet those of others; `borders` says what distances count on its border.
+    pub(crate) fn side<'a>(&'a self, index: usize, borders: &'a BorderCounts) -> Option<Side<'a>> {
+        let Apart { face, state, options, .. } = self.apart.as_ref()?;
+        Some(Side { index, on: (face, state), built: &self.built, wanted: options, borders })
     }
 }
 

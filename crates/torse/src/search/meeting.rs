@@ -3,10 +3,13 @@
 use super::build::Built;
 use super::cover::Limits;
 use super::face::{Covered, Met};
-use super::stitch::across::{met_across, Across};
+use super::joint::Meeting;
+use super::stitch::across::{met_across, Across, Beside};
+use super::stitch::attempts::met_together;
 use crate::control::Control;
 use crate::geom::Vec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -59,21 +62,10 @@ fn across_faces<E: Send>(met: &mut [Result<Met, E>], (tolerance, limits): (f64, 
     let faces: Vec<(usize, &Met)> = met.iter().enumerate().filter_map(|(k, m)| Some((k, m.as_ref().ok()?))).collect();
     let before: Vec<&Built> = faces.iter().map(|f| &f.1.built).collect();
     let first = joined(&before);
-    let lowered: Vec<Option<Built>> = faces
-        .par_iter()
-        .zip(&first.lower)
-        .map(|((index, face), lower)| {
-            let borders = |x: &Vec3| counts(lower, x, tolerance);
-            if lower.is_empty() {
-                None
-            } else {
-                face.lowered(*index, &borders, control)
-            }
-        })
-        .collect();
+    let anew = laid_anew(&faces, &first, tolerance, control);
     let mut best = first;
-    if lowered.iter().any(Option::is_some) {
-        let nearer: Vec<&Built> = before.iter().zip(&lowered).map(|(b, l)| l.as_ref().unwrap_or(b)).collect();
+    if anew.iter().any(Option::is_some) {
+        let nearer: Vec<&Built> = before.iter().zip(&anew).map(|(b, l)| l.as_ref().unwrap_or(b)).collect();
         let second = joined(&nearer);
         if second.length > best.length {
             best = second;
@@ -81,6 +73,32 @@ fn across_faces<E: Send>(met: &mut [Result<Met, E>], (tolerance, limits): (f64, 
     }
     let Across { built, .. } = best;
     met.iter_mut().flatten().zip(built).for_each(|(m, b)| b.into_iter().for_each(|b| m.built = b));
+}
+
+/// The panels of faces beside edges at which panels do not meet, laid anew so that they may; none for the others, and for those
+/// that cannot be proven.
+fn laid_anew(faces: &[(usize, &Met)], first: &Across, tolerance: f64, control: &Control) -> Vec<Option<Built>> {
+    let open = first.edges.iter().filter(|e| e.open && (e.meetings.is_some() || e.counts.is_some()));
+    let beside: BTreeSet<usize> = open.flat_map(|e| e.faces).filter(|&f| faces[f].1.is_free()).collect();
+    if beside.is_empty() {
+        return faces.iter().map(|_| None).collect();
+    }
+    let are_both = |e: &Beside| e.faces.iter().all(|f| beside.contains(f)) && e.meetings.is_some();
+    let meetings: Vec<Meeting> =
+        first.edges.iter().filter(|e| are_both(e)).filter_map(|e| e.meetings.clone()).flatten().collect();
+    // Beside faces that stay as they are distances count for themselves.
+    let lower = |face: usize| {
+        let alone = first.edges.iter().filter(|e| e.faces.contains(&face) && !are_both(e));
+        let mut places: Vec<(Vec3, f64)> = alone.filter_map(|e| e.counts.clone()).flatten().collect();
+        places.extend(&first.corners[face]);
+        move |x: &Vec3| counts(&places, x, tolerance)
+    };
+    let borders: Vec<_> = (0..faces.len()).map(lower).collect();
+    let side = |f: usize| {
+        let (index, met) = faces[f];
+        beside.contains(&f).then(|| met.side(index, &borders[f]))?
+    };
+    met_together((0..faces.len()).map(side).collect(), &meetings, control)
 }
 
 /// Places within this share of the reach of the nearest one count too.

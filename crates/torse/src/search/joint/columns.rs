@@ -5,7 +5,7 @@ use super::line::{End, Line, SLIDES};
 /// Largest changes in one step: of strips, tolerances; of slides and vertices, in their unit.
 const LIMITS: (f64, f64) = (3.0, 2.0);
 
-/// Columns of all unknowns: a group holds a strip, the slides of lines on whose left it is, and vertices at these.
+/// Columns of all unknowns of a face: a group holds a strip, the slides of lines on whose left it is, and vertices at these.
 pub(super) struct Columns {
     pub strips: Vec<usize>,
     pub slides: Vec<usize>,
@@ -24,8 +24,8 @@ impl Columns {
         vertices.for_each(|&c| limits[c..c + 2].fill(reach * LIMITS.1));
     }
 
-    /// Columns for strips with so many unknowns each, lines between them, and so many vertices.
-    pub fn of(unknowns: &[usize], lines: &[Line], vertices: usize) -> Self {
+    /// Columns for strips with so many unknowns each, lines between them, and so many vertices, from `first` on.
+    pub fn of(unknowns: &[usize], lines: &[Line], vertices: usize, first: usize) -> Self {
         let mut out = Self {
             strips: Vec::new(),
             slides: vec![0; lines.len()],
@@ -35,15 +35,15 @@ impl Columns {
         };
         for (k, &count) in unknowns.iter().enumerate() {
             let before = out.limits.len();
-            out.strips.push(before);
+            out.strips.push(first + before);
             out.limits.extend(std::iter::repeat_n(LIMITS.0, count));
             for (l, line) in lines.iter().enumerate().filter(|(_, l)| l.strips[0] == k) {
-                out.slides[l] = out.limits.len();
+                out.slides[l] = first + out.limits.len();
                 out.limits.extend([LIMITS.1; SLIDES]);
                 for end in line.ends {
                     if let End::Vertex(v) = end {
                         if out.vertices[v] == usize::MAX {
-                            out.vertices[v] = out.limits.len();
+                            out.vertices[v] = first + out.limits.len();
                             out.limits.extend([LIMITS.1; 2]);
                         }
                     }

@@ -197,7 +197,7 @@ impl Network<'_> {
     /// hardly cross may be equally high along their lines, and meet the third some way off. `None` where none moves, or a foot is
     /// lost.
     pub fn under_junctions(&self) -> Option<Self> {
-        let columns = self.columns();
+        let columns = self.columns(0);
         let mut x = vec![0.0; columns.limits.len()];
         for j in self.junctions() {
             let column = columns.vertices[j.vertex];
@@ -289,7 +289,7 @@ impl Network<'_> {
             })
             .collect::<Option<_>>()?;
         for _ in 0..ROUNDS {
-            let columns = now.columns();
+            let columns = now.columns(0);
             let mut gaps = Tie { rows: Runs::default(), price: Vec::new(), damping: 0.0 };
             for ((line, reference), guesses) in now.lines.iter().zip(&references).zip(&mut guesses) {
                 for (i, guess) in guesses.iter_mut().enumerate() {
@@ -302,10 +302,33 @@ impl Network<'_> {
                     }
                 }
             }
+            now.aim_rows(&columns, &mut gaps)?;
             now = PRICES.0.iter().find_map(|&price| now.changed(&columns, &now.closed(&columns, &gaps, price)?))?;
         }
         now.lie_on_bands();
         Some(now)
+    }
+
+    /// Whether strips come as near to the points at which they meet those of other faces as they must.
+    pub fn meets_aims(&self) -> bool {
+        self.aims.iter().filter(|a| a.within.is_finite()).all(|aim| {
+            let s = &self.samples[aim.sample];
+            let foot = s.foot.and_then(|f| self.members[s.strip].foot(&aim.z, f.t));
+            foot.is_some_and(|f| f.distance.abs() <= aim.within)
+        })
+    }
+
+    /// Writes the rows of the heights of strips over the points at which they meet those of other faces.
+    fn aim_rows(&self, columns: &Columns, out: &mut Tie) -> Option<()> {
+        for aim in &self.aims {
+            let s = &self.samples[aim.sample];
+            let m = &self.members[s.strip];
+            let foot = m.foot(&aim.z, s.foot?.t)?;
+            let scale = foot.normal.dot(&aim.up).recip();
+            m.strip.row(columns.strips[s.strip], &aim.z, &foot, scale, &mut out.rows);
+            out.end(aim.counts * aim.counts, foot.distance * scale / self.tolerance);
+        }
+        Some(())
     }
 
     /// The change of all strips that closes gaps in the sense of least squares, at a price.

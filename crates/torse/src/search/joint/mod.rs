@@ -12,6 +12,7 @@
 mod columns;
 mod edge;
 mod envelope;
+mod fleet;
 mod form;
 mod line;
 mod network;
@@ -32,6 +33,8 @@ use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use crate::torse::form::Torse;
 use edge::{Edge, Junction};
+use fleet::Fleet;
+pub(crate) use fleet::Meeting;
 use line::Line;
 pub(crate) use network::Further;
 use network::Network;
@@ -46,6 +49,13 @@ const BETWEEN: f64 = 0.8;
 const POLISHINGS: usize = 2;
 /// See [`POLISHINGS`].
 const MOST: f64 = 0.97;
+
+/// Edges between faces that are given up where strips come no nearer, at most.
+const LEFT: usize = 12;
+
+/// Share of their least regularity that strips which are to meet those of other faces keep: places at their ends are where edges
+/// end, and can be less regular than any other.
+const LESS: f64 = 0.6;
 
 /// What is asked of strips that are to meet.
 #[derive(Clone, Copy)]
@@ -115,9 +125,11 @@ pub(crate) struct Joined {
     pub steps: Vec<StepReport>,
 }
 
-/// The strips of a covered face and the lines between them, as far as they have been changed together.
+/// The strips of covered faces and the lines between them, as far as they have been changed together.
 pub(crate) struct Joint<'a> {
-    network: Network<'a>,
+    fleet: Fleet<'a>,
+    /// Which of its networks a face has.
+    slots: Vec<Option<usize>>,
     /// Largest distance and gap to begin with, in tolerances.
     start: [f64; 2],
     steps: Vec<StepReport>,
@@ -128,31 +140,65 @@ impl<'a> Joint<'a> {
     /// torse of higher degree, with samples without feet) stay as they are, and borders that close. `None` without any border
     /// left.
     pub fn new(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
-        let network = start::network(face, state, chains, asked)?;
-        Some(Self { start: network.measured(), network, steps: Vec::new() })
+        let fleet = Fleet::of(start::network(face, state, chains, asked)?);
+        Some(Self { start: fleet.measured(), fleet, slots: vec![Some(0)], steps: Vec::new() })
     }
 
-    /// Places that count from now on.
-    pub fn count(&mut self, places: &[Further]) {
-        self.network.add(places);
+    /// The same of several faces, which are to meet at places besides; `None` for faces that take no part, as above.
+    pub fn of_faces(faces: Vec<Option<(&'a Face, &State, Vec<SeamChain>, &Asked)>>, meetings: &[Meeting]) -> Self {
+        let networks: Vec<Option<Network<'a>>> = faces
+            .into_iter()
+            .map(|f| f.and_then(|(face, state, chains, asked)| start::network(face, state, chains, asked)))
+            .collect();
+        let (mut fleet, slots) = Fleet::meeting(networks, meetings);
+        fleet.networks.iter_mut().flat_map(|n| &mut n.members).for_each(|m| m.least *= LESS);
+        Self { start: fleet.measured(), fleet, slots, steps: Vec::new() }
+    }
+
+    /// Places of a face that count from now on.
+    pub fn count(&mut self, face: usize, places: &[Further]) {
+        if let Some(k) = self.slots[face] {
+            self.fleet.networks[k].add(places);
+        }
     }
 
     /// From now on distances count more near lines and borders of the face, for what the proof takes of the tolerance where
     /// panels do not end on their own normals. Where panels are thin against that, too little is left for all of it.
-    pub fn count_ends(&mut self) {
-        self.network.ends_count = true;
-        self.network.find_taken();
+    pub fn count_ends(&mut self, face: usize) {
+        if let Some(k) = self.slots[face] {
+            self.fleet.networks[k].ends_count = true;
+            self.fleet.networks[k].find_taken();
+        }
+    }
+
+    /// See [`Joint::joined_all`], of the only face.
+    pub fn joined(&mut self, control: &Control) -> Option<Joined> {
+        self.joined_all(control).pop()?
     }
 
     /// Strips and lines changed together until neighbours are equally high along their seams, with as small a largest
     /// distance as that allows, and edges on both. Asked again, it goes on from there with what counts since.
     ///
-    /// *Result*: the best that was reached, whether strips meet or not; `None` where a strip has become nothing. *Not
+    /// *Result*: for every face the best that was reached, whether strips meet or not; `None` where a strip has become nothing,
+    /// and for faces that take no part. *Not
     /// guaranteed*: any distance between samples; see `certify`. *Cost*: about as many factorisations as three programs have
     /// iterations, each of one block per strip.
-    pub fn joined(&mut self, control: &Control) -> Option<Joined> {
+    pub fn joined_all(&mut self, control: &Control) -> Vec<Option<Joined>> {
         self.improve(control);
-        let (network, edges) = edged(self.network.clone());
+        // What cannot be had at one edge must not cost the others.
+        for _ in 0..LEFT {
+            if self.fleet.measured()[0] <= 1.0 || control.stopped() || !self.fleet.leave_worst() {
+                break;
+            }
+            self.improve(control);
+        }
+        let found: Vec<Option<Joined>> =
+            (0..self.fleet.networks.len()).map(|k| self.made(self.fleet.aimed(k))).collect();
+        self.slots.iter().map(|k| found[(*k)?].clone()).collect()
+    }
+
+    fn made(&self, network: Network<'a>) -> Option<Joined> {
+        let (network, edges) = edged(network);
         let label = |k: &usize| network.members[*k].label;
         let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
             labels: l.strips.map(|k| label(&k)),
@@ -180,7 +226,7 @@ fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
     let mut edges = now.edges();
     for _ in 0..POLISHINGS {
         let good = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_some_and(|e| e.missed <= ON_BOTH.0 * l.length);
-        if now.lines.iter().zip(&edges).all(good) {
+        if now.lines.iter().zip(&edges).all(good) && now.meets_aims() {
             break;
         }
         let Some(next) = now.polished().filter(|n| n.measured()[0] <= most) else { break };

@@ -88,6 +88,20 @@ pub(super) fn lean(up: &Vec3, foot: &Foot) -> f64 {
     foot.normal.dot(up).abs().max(LEAST_LEAN).recip()
 }
 
+/// A point to which the strip of a sample on the border should come, so that it meets that of another face there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    pub sample: usize,
+    /// The point, mm.
+    pub z: Vec3,
+    /// Direction of heights.
+    pub up: Vec3,
+    /// What a difference of heights counts.
+    pub counts: f64,
+    /// Distance (mm) within which the strip must be, where it hardly crosses the other one.
+    pub within: f64,
+}
+
 /// Strips, lines and samples.
 #[derive(Clone)]
 pub(super) struct Network<'a> {
@@ -106,6 +120,8 @@ pub(super) struct Network<'a> {
     pub ends_count: bool,
     /// How wide strips should be.
     pub widths: Vec<Width>,
+    /// What finer strips keep to besides.
+    pub aims: Vec<Aim>,
 }
 
 impl Member {
@@ -148,10 +164,10 @@ impl Network<'_> {
         of_samples.chain(self.lines.iter().flat_map(of_line)).collect()
     }
 
-    /// Columns of its unknowns.
-    pub fn columns(&self) -> Columns {
+    /// Columns of its unknowns, from `first` on.
+    pub fn columns(&self, first: usize) -> Columns {
         let unknowns: Vec<usize> = self.members.iter().map(|m| m.strip.unknowns()).collect();
-        Columns::of(&unknowns, &self.lines, self.vertices)
+        Columns::of(&unknowns, &self.lines, self.vertices, first)
     }
 
     /// The torse of a strip over the rulings on which its points have their feet, and a little beyond: nothing holds it
@@ -211,9 +227,30 @@ impl Network<'_> {
         Band { rulings: (0..at.len()).map(ruling).collect(), half_width }
     }
 
+    /// Adds a place on the border at which the face meets another one, whose panels are to end on `up` there; its number.
+    pub fn meets_at(&mut self, label: u32, rulings: &[Rulings], (x, up): (&Vec3, &Vec3)) -> Option<usize> {
+        let strip = self.members.iter().position(|m| m.label == label)?;
+        let foot = self.members[strip].foot_anywhere(&rulings[strip], x)?;
+        self.samples.push(Sample {
+            x: *x,
+            strip,
+            foot: Some(foot),
+            lines: Vec::new(),
+            up: Some(*up),
+            counts: 1.0,
+            taken: 1.0,
+        });
+        Some(self.samples.len() - 1)
+    }
+
+    /// First guesses of feet on its strips.
+    pub fn rulings(&self) -> Vec<Rulings> {
+        self.members.iter().map(|m| Rulings::of(m.strip.torse())).collect()
+    }
+
     /// Adds samples where panels were too far away; places without a foot count for nothing.
     pub fn add(&mut self, places: &[Further]) {
-        let rulings: Vec<Rulings> = self.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
+        let rulings = self.rulings();
         let sample = |f: &Further| {
             let strip = self.members.iter().position(|m| m.label == f.label)?;
             let x = self.face.surface.point(f.uv[0], f.uv[1]);
@@ -290,7 +327,7 @@ impl Network<'_> {
         for (k, l) in self.lines.iter_mut().enumerate() {
             let strips = l.strips;
             let found: Option<Vec<Middle>> =
-                l.points.par_iter().map(|p| middle(strips.map(|k| &members[k]), p)).collect();
+                l.points.par_iter().map(|p| middle_over(strips.map(|k| &members[k]), p)).collect();
             l.points.iter_mut().zip(found.ok_or(k)?).for_each(|(p, m)| p.middle = Some(m));
         }
         Ok(())
@@ -427,11 +464,16 @@ fn placed(lines: &[Line], s: &Sample, is_whole: bool, most: f64) -> Option<(usiz
     (strip != s.strip).then(|| (strip, p.feet[side].map(|f| f.t)))
 }
 
-/// The middle of two strips over a point.
-fn middle(members: [&Member; 2], p: &LinePoint) -> Option<Middle> {
-    let mut feet = [p.feet[0]?, p.feet[1]?];
+/// The middle of two strips over a point of the line between them.
+fn middle_over(members: [&Member; 2], p: &LinePoint) -> Option<Middle> {
+    let feet = [p.feet[0]?, p.feet[1]?];
     let up = (feet[0].normal + feet[1].normal).try_normalize(0.0)?;
-    let (mut z, mut height) = (p.x, 0.0);
+    middle(members, (&p.x, &up), feet)
+}
+
+/// The middle of two strips over a point, in a direction, from their feet near by.
+pub(super) fn middle(members: [&Member; 2], (x, up): (&Vec3, &Vec3), mut feet: [Foot; 2]) -> Option<Middle> {
+    let (mut z, mut height) = (*x, 0.0);
     for round in 0..=MIDDLE {
         if round > 0 {
             for e in 0..2 {
@@ -441,10 +483,10 @@ fn middle(members: [&Member; 2], p: &LinePoint) -> Option<Middle> {
         if round == MIDDLE {
             break;
         }
-        height -= 0.5 * feet.iter().map(|f| f.distance / f.normal.dot(&up)).sum::<f64>();
-        z = p.x + up * height;
+        height -= 0.5 * feet.iter().map(|f| f.distance / f.normal.dot(up)).sum::<f64>();
+        z = x + up * height;
     }
-    height.is_finite().then_some(Middle { z, feet, up })
+    height.is_finite().then_some(Middle { z, feet, up: *up })
 }
 
 /// The middle one of values, 0 if there are none.

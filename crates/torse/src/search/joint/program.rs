@@ -1,6 +1,7 @@
 //! One step: the linear changes of all distances and gaps, and the program that chooses it.
 
 use super::columns::Columns;
+use super::fleet::Fleet;
 use super::form::{Foot, Tie};
 use super::line::{slide_functions, slide_knots, LinePoint, SLIDES};
 use super::network::{lean, Member, Network};
@@ -47,22 +48,24 @@ pub(super) struct Step {
 }
 
 /// The step for prices and limits.
-pub(super) fn step(network: &Network, columns: &Columns, prices: &Prices) -> Option<Step> {
+pub(super) fn step(fleet: &Fleet, columns: &[Columns], prices: &Prices) -> Option<Step> {
     let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: prices.damping };
-    let mut program = distances(network, columns, prices.gaps, &mut tie)?;
-    columns.slide_limits(prices.reach, &mut program.limits);
+    let mut program = distances(fleet, columns, prices.gaps, &mut tie)?;
+    columns.iter().for_each(|c| c.slide_limits(prices.reach, &mut program.limits));
     // A distance that nothing changes.
     program.hard.end();
     program.distances.push(LOW_ENOUGH);
     let gaps = tie.price.len();
-    let share = (network.members.len() as f64).recip();
-    for (m, &column) in network.members.iter().zip(&columns.strips) {
-        m.strip.damping(column, network.tolerance, &mut tie);
-        m.strip.sequences().iter().for_each(|s| tie.uneven(column, s, share * EVEN.0));
+    let share = (fleet.strips() as f64).recip();
+    let (all, knots): (Vec<usize>, _) = ((0..SLIDES).collect(), slide_knots()?);
+    for (network, columns) in fleet.networks.iter().zip(columns) {
+        for (m, &column) in network.members.iter().zip(&columns.strips) {
+            m.strip.damping(column, network.tolerance, &mut tie);
+            m.strip.sequences().iter().for_each(|s| tie.uneven(column, s, share * EVEN.0));
+        }
+        columns.slides.iter().for_each(|&column| tie.uneven(column, &all, share * EVEN.1));
+        network.pay_widths(columns, &knots, WIDTHS, &mut tie);
     }
-    let all: Vec<usize> = (0..SLIDES).collect();
-    columns.slides.iter().for_each(|&column| tie.uneven(column, &all, share * EVEN.1));
-    network.pay_widths(columns, &slide_knots()?, WIDTHS, &mut tie);
     (program.soft, program.price) = (tie.rows, tie.price);
     let Minimum { x, largest, iterations } = program.solve()?;
     let gap = |i: usize| (program.price[i].1 + program.soft.dot(i, &x)).abs();
@@ -88,15 +91,29 @@ fn keep_regular(
 }
 
 /// The program of distances and of what strips must keep; the rows of gaps go to `tie`.
-pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: &mut Tie) -> Option<MinimaxProgram> {
-    let tolerance = network.tolerance;
-    let knots = slide_knots()?;
+pub(super) fn distances(fleet: &Fleet, columns: &[Columns], weight: f64, tie: &mut Tie) -> Option<MinimaxProgram> {
     let mut program = MinimaxProgram {
-        groups: columns.groups.clone(),
-        limits: columns.limits.clone(),
+        groups: columns.iter().flat_map(|c| c.groups.iter().copied()).collect(),
+        limits: columns.iter().flat_map(|c| c.limits.iter().copied()).collect(),
         ridge: RIDGE,
         ..MinimaxProgram::default()
     };
+    for (network, columns) in fleet.networks.iter().zip(columns) {
+        rows(network, columns, weight, (&mut program, tie))?;
+    }
+    fleet.meeting_rows(columns, weight, (&mut program, tie));
+    Some(program)
+}
+
+/// The rows of one face.
+fn rows(
+    network: &Network,
+    columns: &Columns,
+    weight: f64,
+    (program, tie): (&mut MinimaxProgram, &mut Tie),
+) -> Option<()> {
+    let tolerance = network.tolerance;
+    let knots = slide_knots()?;
     let unit = network.unit / tolerance;
     let ways = |l: usize, p: &LinePoint, direction: &Vec3, out: &mut Runs| {
         let (first, slide) = slide_functions(&knots, p.share);
@@ -119,7 +136,7 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
             program.hard.end();
             program.distances.push(lean * foot.distance / tolerance);
         }
-        if keep_regular(m, column, (&s.x, &foot), tolerance, &mut program).is_some() {
+        if keep_regular(m, column, (&s.x, &foot), tolerance, program).is_some() {
             program.bounded.end();
         }
     }
@@ -129,7 +146,7 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
             for (&k, foot) in line.strips.iter().zip(&p.feet) {
                 let Some(foot) = foot else { continue };
                 let (m, lean) = (&network.members[k], lean(&p.normal, foot));
-                if let Some(way) = keep_regular(m, columns.strips[k], (&p.x, foot), tolerance, &mut program) {
+                if let Some(way) = keep_regular(m, columns.strips[k], (&p.x, foot), tolerance, program) {
                     ways(l, p, &way, &mut program.bounded);
                     program.bounded.end();
                 }
@@ -150,5 +167,5 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
             tie.end(weight / line.points.len() as f64, middle.gap() / tolerance);
         }
     }
-    Some(program)
+    Some(())
 }

@@ -84,6 +84,7 @@ fn network_of_others<'a>(
         is_whole,
         ends_count: false,
         widths: Vec::new(),
+        aims: Vec::new(),
     };
     // Feet from nothing.
     let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();

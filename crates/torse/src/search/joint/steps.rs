@@ -1,6 +1,6 @@
-//! Steps of the program as long as they make the network better.
+//! Steps of the program as long as they make the networks better.
 
-use super::network::Network;
+use super::fleet::Fleet;
 use super::program::{step, Prices, Step, LOW_ENOUGH};
 use super::{Joint, StepReport};
 use crate::control::Control;
@@ -16,6 +16,8 @@ const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
 const WEIGHTS: [f64; 4] = [20.0, 80.0, 320.0, 1200.0];
 /// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
 const STEPS: usize = 8;
+/// The same of strips of several faces: the ends of edges between these may be reached in small parts of steps alone.
+const STEPS_OF_FACES: usize = 14;
 /// Trials of a step.
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
@@ -36,9 +38,9 @@ const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
 /// See [`DAMPING`]: less changes nothing, and takes trials to be left again.
 const LEAST_DAMPING: f64 = 0.1;
 
-/// A network after a part of a step.
+/// Networks after a part of a step.
 struct Attempt<'a> {
-    network: Network<'a>,
+    fleet: Fleet<'a>,
     /// Largest distance and gap, in tolerances.
     reached: [f64; 2],
     /// Share of the gain that was expected.
@@ -47,12 +49,13 @@ struct Attempt<'a> {
 }
 
 impl<'a> Joint<'a> {
-    /// Steps as long as they make the network better.
+    /// Steps as long as they make the networks better.
     pub(super) fn improve(&mut self, control: &Control) {
         let begun = !self.steps.is_empty();
         let (mut damping, mut reach, mut far, mut count) = (1.0, 1.0, false, 0);
-        while count < (if far { FAR_STEPS } else { STEPS }) && !control.stopped() {
-            let now = &self.network;
+        let steps = if self.fleet.networks.len() > 1 { [STEPS_OF_FACES; 2] } else { [STEPS, FAR_STEPS] };
+        while count < steps[usize::from(far)] && !control.stopped() {
+            let now = &self.fleet;
             let at = now.measured();
             far |= count == FAR.1 && at[0] > FAR.0;
             let merit = |[distance, gap]: [f64; 2]| distance.max(LOW_ENOUGH) + GAP.1 * gap.max(GAP.0);
@@ -64,11 +67,11 @@ impl<'a> Joint<'a> {
             let weight = WEIGHTS[self.steps.len().min(WEIGHTS.len() - 1)];
             let attempt = |found: &Step, part: f64| -> Option<Attempt<'a>> {
                 let x: Vec<f64> = found.x.iter().map(|x| part * x).collect();
-                let network = now.stepped(&columns, &x)?;
-                let reached = network.measured();
+                let fleet = now.stepped(&columns, &x)?;
+                let reached = fleet.measured();
                 let hoped = part * (merit(at) - merit(found.expected));
                 let share = (merit(at) - merit(reached)) / hoped.max(f64::MIN_POSITIVE);
-                Some(Attempt { network, reached, share, part })
+                Some(Attempt { fleet, reached, share, part })
             };
             let (mut effort, mut refused, mut accepted) = ([0, 0], Vec::new(), None);
             while accepted.is_none() && refused.len() < TRIALS {
@@ -106,12 +109,11 @@ impl<'a> Joint<'a> {
                 accepted = parts.filter_map(|(found, part)| attempt(found, part)).find(|a| a.share > GAIN.0);
                 damping = 1.0;
             }
-            let Some(Attempt { mut network, reached, .. }) = accepted else { return };
+            let Some(Attempt { mut fleet, reached, .. }) = accepted else { return };
             let gained = merit(at) - merit(reached);
             let is_part = refused.len() == TRIALS;
-            network.lie_on_bands();
-            network.find_taken();
-            self.network = network;
+            fleet.settle();
+            self.fleet = fleet;
             self.steps.push(StepReport { reached, effort });
             count += 1;
             let stalled = if reached[0] < 1.0 { STALLED.0 } else { STALLED.0 * STALLED.1 };

@@ -186,12 +186,14 @@ fn rows_of_strips_match_differences() {
 fn rows_of_a_line_match_differences() {
     let (face, state) = zones(&[0.0, 0.12, 0.2]);
     let network = start::network(&face, &state, chains(&face, &state), &asked(&|_| false, 1.0)).expect("a network");
-    let columns = network.columns();
+    let fleet = Fleet::of(network.clone());
+    let columns = fleet.columns();
     let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: 1.0 };
-    let program = distances(&network, &columns, 1.0, &mut tie).expect("rows");
+    let program = distances(&fleet, &columns, 1.0, &mut tie).expect("rows");
+    let columns = &columns[0];
     let mut x = vec![0.0; program.limits.len()];
     x[columns.slides[0]..columns.slides[0] + 12].fill(1e-3);
-    let next = network.stepped(&columns, &x).expect("a step");
+    let next = network.stepped(columns, &x).expect("a step");
     let first = program.hard.len() - 2 * POINTS;
     // Samples beside the line, which go with it.
     let largest = network.largest_of_strips();
@@ -229,4 +231,32 @@ fn rows_of_a_line_match_differences() {
 fn one_strip_has_nothing_to_be_joined_with() {
     let (face, state) = zones(&[0.0, 0.1]);
     assert!(joined(&face, &state, Vec::new(), &asked(&|_| false, 1.0), &Control::default()).is_none());
+}
+
+/// Strips of two faces, which are one sphere, become equally high along the border between these.
+#[test]
+fn strips_of_two_faces_become_equally_high_where_these_meet() {
+    let faces = [zones(&[-0.15, -0.02]), zones(&[-0.02, 0.07])];
+    let tolerance = half_sagitta(0.13) / 0.8;
+    let (even, held) = (|_: &Vec3| 1.0, |_: [u32; 2]| false);
+    let asked = Asked { borders: Some(&even), ..asked(&held, tolerance) };
+    let meeting = |k: u32| {
+        let normal = radial(f64::from(k) / 40.0, -0.02);
+        let (places, normals) = ([normal * RADIUS; 2], [normal; 2]);
+        Meeting { faces: [0, 1], labels: [0; 2], places, normals, share: 1.0 / 41.0, edge: 0, length: RADIUS }
+    };
+    let meetings: Vec<Meeting> = (0..=40).map(meeting).collect();
+    let given = faces.iter().map(|(face, state)| Some((face, state, Vec::new(), &asked))).collect();
+    let mut joint = Joint::of_faces(given, &meetings);
+    assert!(joint.start[1] > 0.5, "{:?}", joint.start);
+    let found = joint.joined_all(&Control::default());
+    for m in &meetings {
+        let height = |k: usize| {
+            let (torse, x) = (&found[k].as_ref().expect("joined").torses[0].1, &m.places[k]);
+            let t = strip::Rulings::of(torse).near(x).into_iter().find_map(|t| torse.foot(x, t)).expect("a foot");
+            torse.plane_distance(x, t).abs() / tolerance
+        };
+        let heights = [height(0), height(1)];
+        assert!((heights[0] - heights[1]).abs() < 0.02 && heights[0] < 0.97, "{heights:?}");
+    }
 }

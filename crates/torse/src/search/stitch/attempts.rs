@@ -17,10 +17,11 @@ use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
 use crate::search::cover::{laid_anew, recounted, CoverOptions, Limits, Recount, SeamLine, State};
-use crate::search::joint::{Asked, BorderCounts, Further, JoinedLine, Joint};
+use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
 use crate::torse::form::{PanelKind, Torse};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Shares of their regularity that strips keep in the program, in turn until all seams are closed. Alone the first closes 7 of 7
 /// on the hull at 5 mm and 8 of 9 on the monkey saddle at 10 mm, the second 5 and 9.
@@ -37,8 +38,9 @@ const MOST_COUNTED: f64 = 3.0;
 const ENDS: f64 = 1.02;
 /// See [`Attempts::most`], of another number of strips than the cover has: what the proof finds is some percent more.
 const NEAR_ENOUGH: f64 = 0.985;
-/// See [`Attempts::most`], of strips that are to be nearer to the border of their face.
-const LOW_ENOUGH: f64 = 1.0;
+/// See [`Attempts::most`], of strips that are to meet those of other faces: of places where distances count more some may be
+/// too far away, and cost no more than an edge.
+const LOW_ENOUGH: f64 = 1.15;
 /// Rounds of moving borders to edges, without those that were refused.
 const INTERSECTIONS: usize = 8;
 
@@ -54,8 +56,8 @@ struct Attempts<'a> {
     seam_lines: Arc<Vec<SeamLine>>,
     /// What was proven on the way.
     known: Known,
-    /// Labels whose flat patterns are not proven without common edges either.
-    unproven: BTreeSet<u32>,
+    /// Labels whose flat patterns are not proven without common edges either, once they are asked for.
+    unproven: OnceLock<BTreeSet<u32>>,
     /// Largest distance (tolerances) of a sample with which strips of the program are worth being built.
     most: f64,
     /// What distances count on the border of the face.
@@ -68,8 +70,22 @@ struct Attempts<'a> {
 #[derive(Default)]
 struct Refused {
     labels: Vec<u32>,
-    /// Where they are too far from the face, if that is why.
+    /// Where they are too far from the face, if that is why, and it is worth another try.
     too_far: Vec<Further>,
+}
+
+/// A face whose strips are to meet those of others.
+pub(crate) struct Side<'a> {
+    /// Its number.
+    pub index: usize,
+    /// The face and its cover.
+    pub on: (&'a Face, &'a State),
+    /// Its panels.
+    pub built: &'a Built,
+    /// What was asked for.
+    pub wanted: &'a CoverOptions,
+    /// What distances count on its border.
+    pub borders: &'a BorderCounts<'a>,
 }
 
 /// How borders come under edges.
@@ -101,7 +117,7 @@ pub(crate) fn met(
         control,
         seam_lines: state.seam_lines.clone(),
         known: Known::default(),
-        unproven,
+        unproven: OnceLock::from(unproven),
         most: f64::INFINITY,
         borders: None,
         best: built,
@@ -119,15 +135,62 @@ pub(crate) fn met(
     attempts.best
 }
 
-/// The same panels, with the labels of those whose flat patterns are not proven, nearer to the border of their face where
-/// distances count more there; `None` where not all can be proven, or panels would meet in fewer edges.
-pub(crate) fn lowered(
-    index: usize,
-    (face, state): (&Face, &State),
-    (built, unproven): (&Built, BTreeSet<u32>),
-    (wanted, borders): (&CoverOptions, &BorderCounts),
-    control: &Control,
-) -> Option<Built> {
+/// The panels of faces, none for those that stay as they are, laid anew so that they meet at places between faces; `None` for
+/// those that cannot be proven, or whose panels would meet in fewer edges.
+pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], control: &Control) -> Vec<Option<Built>> {
+    let attempts: Vec<Option<(Attempts, State)>> = sides.into_iter().map(|s| attempted(s?, control)).collect();
+    let asked = attempts.iter().map(|a| {
+        let (a, _) = a.as_ref()?;
+        Some(move |labels: [u32; 2]| a.is_asked_for(&a.best, pair(labels)))
+    });
+    let held: Vec<_> = asked.collect();
+    let without = BTreeSet::new();
+    let asked: Vec<Option<Asked>> = attempts
+        .iter()
+        .zip(&held)
+        .map(|(a, held)| {
+            let &Attempts { tolerance, borders, .. } = &a.as_ref()?.0;
+            Some(Asked { held: held.as_ref()?, without: &without, regular: REGULAR[0], tolerance, borders })
+        })
+        .collect();
+    let given = attempts.iter().zip(&asked).map(|(a, asked)| {
+        let (Attempts { face, .. }, base) = a.as_ref()?;
+        Some((*face, base, borders(face, &base.partition).seam_chains(), asked.as_ref()?))
+    });
+    let mut joint = Joint::of_faces(given.collect(), meetings);
+    for refinement in 0..=REFINEMENTS {
+        let joined = joint.joined_all(control);
+        if control.stopped() {
+            break;
+        }
+        let placed = |(a, joined): (&Option<(Attempts, State)>, Option<joint::Joined>)| {
+            let ((a, base), joined) = (a.as_ref()?, joined?);
+            if refinement == 0 && a.is_too_far(&joined) {
+                return None;
+            }
+            Some(a.placed(base, joined, refinement == REFINEMENTS))
+        };
+        let placed: Vec<Option<Result<Built, Refused>>> = attempts.par_iter().zip(joined).map(placed).collect();
+        let mut again = false;
+        for (face, p) in placed.iter().enumerate() {
+            if let Some(Err(refused)) = p {
+                again |= refused.counted(&mut joint, face);
+            }
+        }
+        if !again {
+            let good = |(a, p): (&Option<(Attempts, State)>, Option<Result<Built, Refused>>)| {
+                let (a, next) = (&a.as_ref()?.0, p?.ok()?);
+                a.is_no_worse(&next).then_some(next)
+            };
+            return attempts.iter().zip(placed).map(good).collect();
+        }
+    }
+    attempts.iter().map(|_| None).collect()
+}
+
+/// A face that is to meet others, and its panels as a state.
+fn attempted<'a>(side: Side<'a>, control: &'a Control) -> Option<(Attempts<'a>, State)> {
+    let Side { index, on: (face, state), built, wanted, borders } = side;
     let base = as_built(face, state, built)?;
     let attempts = Attempts {
         index,
@@ -137,37 +200,35 @@ pub(crate) fn lowered(
         control,
         seam_lines: state.seam_lines.clone(),
         known: Known::default(),
-        unproven,
+        unproven: OnceLock::new(),
         most: LOW_ENOUGH,
         borders: Some(borders),
         best: built.clone(),
     };
-    let good = |next: &Built| {
-        attempts.exact(next) >= attempts.exact(built)
-            && openness(next) <= openness(built)
-            && attempts.missed(next) <= attempts.missed(built)
-    };
-    if built.patchwork.seam_count == 0 {
-        return attempts.alone(&base).filter(good);
+    Some((attempts, base))
+}
+
+impl Refused {
+    /// Lets places that were too far away count in the program over strips; whether there are any.
+    fn counted(&self, joint: &mut Joint, face: usize) -> bool {
+        if self.too_far.is_empty() {
+            return false;
+        }
+        // Where too little is left at ends of panels, they count everywhere.
+        if self.too_far.iter().any(|f| f.counts > ENDS) {
+            joint.count_ends(face);
+        }
+        joint.count(face, &self.too_far);
+        true
     }
-    attempts.joined(&base, REGULAR[0]).filter(good)
 }
 
 impl Attempts<'_> {
-    /// A strip that has no neighbours, nearer to the border where distances count more.
-    fn alone(&self, base: &State) -> Option<Built> {
-        let (held, without) = (|_: [u32; 2]| true, BTreeSet::new());
-        let asked =
-            Asked { held: &held, without: &without, regular: 1.0, tolerance: self.tolerance, borders: self.borders };
-        let mut joint = Joint::new(self.face, base, Vec::new(), &asked)?;
-        let joined = joint.joined(self.control).filter(|_| !self.control.stopped())?;
-        let mut next = base.clone();
-        for (label, torse) in joined.torses {
-            let fit = Fit { torse, kind: PanelKind::Torse, ..(**next.panels.get(&label)?).clone() };
-            next.panels.insert(label, Arc::new(fit));
-        }
-        let (built, bad) = self.built_on(&next, &[]);
-        bad.is_empty().then_some(built)
+    /// Whether panels meet as they did, and no more limits are missed.
+    fn is_no_worse(&self, next: &Built) -> bool {
+        self.exact(next) >= self.exact(&self.best)
+            && openness(next) <= openness(&self.best)
+            && self.missed(next) <= self.missed(&self.best)
     }
 
     /// Limits of sheet and material that are missed.
@@ -209,7 +270,7 @@ impl Attempts<'_> {
         let partition = smooth_borders(self.face, next.partition.clone(), self.tolerance, |_| true);
         let next = seams::with_partition(self.face, &next, partition);
         // Labels are others, and no flat pattern is given up.
-        let unproven = std::mem::take(&mut self.unproven);
+        let unproven = std::mem::replace(&mut self.unproven, OnceLock::from(BTreeSet::new()));
         let most = std::mem::replace(&mut self.most, NEAR_ENOUGH);
         let before = self.joined(&next, REGULAR[0]).map(|first| std::mem::replace(&mut self.best, first));
         if before.is_some() {
@@ -263,8 +324,7 @@ impl Attempts<'_> {
     fn joined(&self, base: &State, regular: f64) -> Option<Built> {
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
         let mut without = BTreeSet::new();
-        // Strips that come nearer to the border do so together or not at all.
-        for _ in 0..=(if self.borders.is_some() { 0 } else { EXCLUSIONS }) {
+        for _ in 0..=EXCLUSIONS {
             let (tolerance, held) = (self.tolerance, &stays);
             let asked = Asked { held, without: &without, regular, tolerance, borders: self.borders };
             let chains = borders(self.face, &base.partition).seam_chains();
@@ -278,74 +338,91 @@ impl Attempts<'_> {
         None
     }
 
-    /// Panels of strips that were changed together. Places where they are too far away count the next time; a few strips that
-    /// are refused in the end are laid anew each for itself. Errors are the labels to do without.
+    /// Panels of strips that were changed together. Places where they are too far away count the next time. Errors are the
+    /// labels to do without.
     fn refined(&self, base: &State, joint: &mut Joint) -> Result<Built, Vec<u32>> {
         for refinement in 0..=REFINEMENTS {
             let joined = joint.joined(self.control).filter(|_| !self.control.stopped()).ok_or_else(Vec::new)?;
-            let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
-            // Where many are too far away all are as near as they get: no proof will find them nearer.
-            let far = joined.distances.iter().filter(|d| **d > 1.0).count();
-            let too_far = joined.distances.iter().any(|d| *d > self.most);
-            if refinement == 0 && (too_far || far as f64 > FEW * joined.distances.len() as f64) {
+            if refinement == 0 && self.is_too_far(&joined) {
                 return Err(Vec::new());
             }
-            let mut next = base.clone();
-            for (label, torse) in joined.torses {
-                let fit = next.panels.get(&label).ok_or_else(Vec::new)?;
-                let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
-                next.panels.insert(label, Arc::new(fit));
+            match self.placed(base, joined, refinement == REFINEMENTS) {
+                Ok(found) => return Ok(found),
+                Err(refused) if refused.counted(joint, 0) => {}
+                Err(refused) => return Err(refused.labels),
             }
-            let along_lines = redrawn(self.face, &next, &joined.lines);
-            if let Some(crossing) = along_lines.as_ref().err().filter(|c| !c.is_empty()) {
-                // Lines cross where a strip has become nothing: the smaller of both.
-                let smaller = |[a, b]: &[u32; 2]| if base.area(*a) < base.area(*b) { *a } else { *b };
-                return Err(crossing.iter().map(smaller).collect());
-            }
-            let along_lines = along_lines.ok();
-            let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
-            let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
-            let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
-            let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
-            let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
-            let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
-                self.along(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
-            };
-            let mut refused = match along_lines.as_ref().map(|s| moved(s, &wanted, Moving::Done)) {
-                Some(Ok(found)) => return Ok(found),
-                Some(Err(refused)) => refused,
-                None => Refused::default(),
-            };
-            let at_first = refused.labels.clone();
-            if refused.too_far.is_empty() {
-                // Borders may be at fault; cut out of the old ones they are others.
-                match moved(&next, &wanted, Moving::Cut) {
-                    Ok(found) => return Ok(found),
-                    Err(other) if refused.labels.is_empty() || other.labels.len() < refused.labels.len() => {
-                        refused = other
-                    }
-                    Err(_) => {}
-                }
-            }
-            if refinement < REFINEMENTS && !refused.too_far.is_empty() {
-                // Where too little is left at ends of panels, they count everywhere.
-                if refused.too_far.iter().any(|f| f.counts > ENDS) {
-                    joint.count_ends();
-                }
-                joint.count(&refused.too_far);
-                continue;
-            }
-            if let Some(mended) = along_lines.and_then(|s| self.mended(s, base, &at_first)) {
-                let others = |p: &[u32; 2]| !p.iter().any(|l| at_first.contains(l));
-                let wanted: Vec<_> = wanted.into_iter().filter(others).collect();
-                if let Ok(found) = moved(&mended, &wanted, Moving::Done) {
-                    return Ok(found);
-                }
-            }
-            let few = refused.labels.len() as f64 <= FEW * next.panels.len() as f64;
-            return Err(if few || refused.labels.is_empty() { refused.labels } else { worst.into_iter().collect() });
         }
         Err(Vec::new())
+    }
+
+    /// Where many strips are too far away all are as near as they get: no proof will find them nearer.
+    fn is_too_far(&self, joined: &joint::Joined) -> bool {
+        if self.most.is_finite() {
+            return joined.distances.iter().any(|d| *d > self.most);
+        }
+        let far = joined.distances.iter().filter(|d| **d > 1.0).count();
+        far as f64 > FEW * joined.distances.len() as f64
+    }
+
+    /// Panels of strips that were changed together. The `last` time a few strips that are refused are laid anew each for itself.
+    /// Errors are the labels to do without, or places that should count the next time.
+    fn placed(&self, base: &State, joined: joint::Joined, last: bool) -> Result<Built, Refused> {
+        let without = |labels: Vec<u32>| Refused { labels, too_far: Vec::new() };
+        let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
+        let mut next = base.clone();
+        for (label, torse) in joined.torses {
+            let fit = next.panels.get(&label).ok_or_else(Refused::default)?;
+            let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
+            next.panels.insert(label, Arc::new(fit));
+        }
+        if joined.lines.is_empty() {
+            // A strip that has no neighbours in its face.
+            let (built, labels) = self.built_on(&next, &[]);
+            let too_far = if last { Vec::new() } else { places_too_far(&built) };
+            return if labels.is_empty() { Ok(built) } else { Err(Refused { labels, too_far }) };
+        }
+        let along_lines = redrawn(self.face, &next, &joined.lines);
+        if let Some(crossing) = along_lines.as_ref().err().filter(|c| !c.is_empty()) {
+            // Lines cross where a strip has become nothing: the smaller of both.
+            let smaller = |[a, b]: &[u32; 2]| if base.area(*a) < base.area(*b) { *a } else { *b };
+            return Err(without(crossing.iter().map(smaller).collect()));
+        }
+        let along_lines = along_lines.ok();
+        let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
+        let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
+        let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
+        let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
+        let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
+        let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
+            self.along(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
+        };
+        let mut refused = match along_lines.as_ref().map(|s| moved(s, &wanted, Moving::Done)) {
+            Some(Ok(found)) => return Ok(found),
+            Some(Err(refused)) => refused,
+            None => Refused::default(),
+        };
+        let at_first = refused.labels.clone();
+        if refused.too_far.is_empty() {
+            // Borders may be at fault; cut out of the old ones they are others.
+            match moved(&next, &wanted, Moving::Cut) {
+                Ok(found) => return Ok(found),
+                Err(other) if refused.labels.is_empty() || other.labels.len() < refused.labels.len() => refused = other,
+                Err(_) => {}
+            }
+        }
+        if !last && !refused.too_far.is_empty() {
+            return Err(refused);
+        }
+        if let Some(mended) = along_lines.and_then(|s| self.mended(s, base, &at_first)) {
+            let others = |p: &[u32; 2]| !p.iter().any(|l| at_first.contains(l));
+            let wanted: Vec<_> = wanted.into_iter().filter(others).collect();
+            if let Ok(found) = moved(&mended, &wanted, Moving::Done) {
+                return Ok(found);
+            }
+        }
+        let few = refused.labels.len() as f64 <= FEW * next.panels.len() as f64;
+        let is_kept = few || refused.labels.is_empty();
+        Err(without(if is_kept { refused.labels } else { worst.into_iter().collect() }))
     }
 
     /// The state with a few strips that were refused laid anew on their regions, each for itself.
@@ -427,7 +504,10 @@ impl Attempts<'_> {
         let (next, mut bad) = build_on(self.index, self.face, state, (self.tolerance, self.control), joined);
         if bad.is_empty() {
             bad = unproven(&next, self.control);
-            bad.retain(|l| !self.unproven.contains(l));
+            if !bad.is_empty() {
+                let before = self.unproven.get_or_init(|| unproven(&self.best, self.control).into_iter().collect());
+                bad.retain(|l| !before.contains(l));
+            }
         }
         (next, bad)
     }

@@ -17,6 +17,8 @@ const DAMPING: f64 = 1e-4;
 const SETTLED: f64 = 1e-15;
 /// Distance from a torse that is left, as a share of the length, at most: below what edges may stray.
 const ON_TORSE: f64 = 1e-9;
+/// Where torses hardly cross: what a way counts against a distance, as for seams inside faces, and what is left then.
+pub(super) const HARDLY: (f64, f64) = (1e-3, 5e-7);
 /// Share of its domain by which a torse may be continued: panels end a tolerance or two beyond their faces.
 const BEYOND: f64 = 0.1;
 /// Places on an edge of a border, and on the whole border, at least.
@@ -38,7 +40,7 @@ pub(super) struct Near<'a> {
 
 impl Near<'_> {
     /// Unit normal of the tangent plane at the foot of a point, and the distance from it.
-    fn plane(&mut self, x: &Vec3) -> Option<(Vec3, f64)> {
+    pub fn plane(&mut self, x: &Vec3) -> Option<(Vec3, f64)> {
         self.t = self.torse.foot_within(x, self.t, BEYOND)?;
         let r = self.torse.ruling(self.t);
         Some((r.normal, r.normal.dot(&(x - r.point))))
@@ -53,8 +55,8 @@ impl Near<'_> {
 }
 
 /// The point that all torses have in common near `x`, within the plane through `x` square to `across` if there is one, and
-/// the largest distance (mm) left from a torse. The torses remember their rulings.
-pub(super) fn common_point(torses: &mut [Near], x: &Vec3, across: Option<&Vec3>) -> Option<(Vec3, f64)> {
+/// the largest distance (mm) left from a torse; ways count `sideways` of distances from torses. The torses remember their rulings.
+pub(super) fn common_point(torses: &mut [Near], x: &Vec3, across: Option<&Vec3>, sideways: f64) -> Option<(Vec3, f64)> {
     let (start, mut x) = (*x, *x);
     let mut left = f64::INFINITY;
     for _ in 0..STEPS {
@@ -73,6 +75,8 @@ pub(super) fn common_point(torses: &mut [Near], x: &Vec3, across: Option<&Vec3>)
         if let Some(n) = across {
             add(n, n.dot(&(x - start)));
         }
+        matrix += Matrix3::identity() * (sideways * sideways);
+        right -= (x - start) * (sideways * sideways);
         let step = matrix.cholesky()?.solve(&right);
         if !step.iter().all(|s| s.is_finite()) {
             return None;
@@ -86,10 +90,10 @@ pub(super) fn common_point(torses: &mut [Near], x: &Vec3, across: Option<&Vec3>)
 }
 
 /// The edge of the model over a border, and how far from it panels may end.
-pub(super) struct Beside<'a> {
+pub(super) struct Model<'a> {
     /// Places along the edge, those of its vertices at every `parts`-th.
     pub points: &'a [Vec3],
-    /// See [`Beside::points`].
+    /// See [`Model::points`].
     pub parts: usize,
     /// Where the curve begins and ends.
     pub ends: [Vec3; 2],
@@ -112,8 +116,14 @@ pub(super) struct Course {
     pub rulings: [[f64; 2]; 2],
 }
 
-/// The curve in which two torses intersect beside an edge. `None` where they do not near enough.
-pub(super) fn course(mut torses: [Near; 2], beside: &Beside) -> Option<Course> {
+/// The curve in which two torses intersect beside an edge, or which is near both all along where they hardly cross. `None` where
+/// there is none near enough.
+pub(super) fn course(torses: [Near; 2], beside: &Model) -> Option<Course> {
+    course_within(torses, beside, (0.0, ON_TORSE)).or_else(|| course_within(torses, beside, HARDLY))
+}
+
+/// See [`course`]; with what ways count against distances, and what is left as a share of the length at most.
+fn course_within(mut torses: [Near; 2], beside: &Model, (sideways, allowed): (f64, f64)) -> Option<Course> {
     let points = beside.points;
     let last = points.len() - 1;
     let tangent = |i: usize| {
@@ -142,8 +152,8 @@ pub(super) fn course(mut torses: [Near; 2], beside: &Beside) -> Option<Course> {
     for (i, p) in points.iter().enumerate() {
         let n = tangent(i)?;
         let x = p + n * (fade(first, along[i]) + fade(second, length - along[i]));
-        let (y, left) = common_point(&mut torses, &x, Some(&n))?;
-        if left > ON_TORSE * length || (y - x).norm() > beside.reach {
+        let (y, left) = common_point(&mut torses, &x, Some(&n), sideways)?;
+        if left > allowed * length || (y - x).norm() > beside.reach {
             return None;
         }
         for (range, near) in rulings.iter_mut().zip(&torses) {
@@ -205,7 +215,7 @@ pub(super) fn ended_anew(
     for i in 0..=count {
         let s = moved(i as f64 / count as f64);
         let x = Vec3::from(wide.point(s));
-        let x = if (0.0..=1.0).contains(&s) { x } else { common_point(&mut near, &x, None)?.0 };
+        let x = if (0.0..=1.0).contains(&s) { x } else { common_point(&mut near, &x, None, 0.0)?.0 };
         places.push(x.into());
     }
     for (slot, end) in [(0, ends[0]), (count, ends[1])] {

@@ -7,6 +7,7 @@
 use super::places::{Common, Ground};
 use super::vertices::Torses;
 use crate::geom::Vec3;
+use crate::search::joint::Meeting;
 use nalgebra::Matrix3;
 
 /// Parts of each edge of a border at whose ends heights are looked at.
@@ -17,15 +18,57 @@ const AWAY: f64 = 0.97;
 const ONE_SIGN: f64 = 0.9;
 /// Heights that must be less than this share of the tolerance are not asked for: panels would become many.
 const LEAST: f64 = 0.25;
+/// Cosine of half the turn of faces at least, for the panels on both sides to be laid anew together.
+const LEAST_MIDDLE: f64 = 0.5;
 
-/// What distances count in a corner of three faces with these normals. `None` where these are nearly in one plane.
+/// Places along an edge on both of its faces, with their normals, seen from one side: borders run counter-clockwise about them.
+struct Along {
+    places: Vec<[Vec3; 2]>,
+    normals: Vec<[Vec3; 2]>,
+}
+
+impl Along {
+    fn of(of: &Common, grounds: &[Ground]) -> Option<Self> {
+        let [a, b] = [0, 1].map(|k: usize| &grounds[of.faces[k]]);
+        let points = a.places(&of.chains[0].vertices, PARTS);
+        let others = b.places(&of.chains[1].vertices, PARTS);
+        let normals = [a.normals(&of.chains[0].vertices, PARTS), b.normals(&of.chains[1].vertices, PARTS)];
+        let mut out = Self { places: Vec::new(), normals: Vec::new() };
+        for (x, n) in points.iter().zip(&normals[0]) {
+            let far = |i: &usize| (others[*i] - x).norm_squared();
+            let beside = (0..others.len()).min_by(|i, j| far(i).total_cmp(&far(j)))?;
+            let m = normals[1][beside];
+            out.places.push([*x, others[beside]]);
+            out.normals.push([*n, if of.turned { m } else { -m }]);
+        }
+        Some(out)
+    }
+}
+
+/// Places along an edge at which panels on both sides are to be equally high. `None` where faces fold back there.
+pub(super) fn meetings(edge: usize, of: &Common, grounds: &[Ground]) -> Option<Vec<Meeting>> {
+    let Along { places, normals } = Along::of(of, grounds)?;
+    let share = (places.len() as f64).recip();
+    let length = of.chains[0].length;
+    let (faces, labels) = (of.faces, [0, 1].map(|k: usize| of.chains[k].label));
+    let meeting = |(places, normals): ([Vec3; 2], [Vec3; 2])| {
+        let open = (normals[0] + normals[1]).norm() >= 2.0 * LEAST_MIDDLE;
+        open.then_some(Meeting { faces, labels, places, normals, share, edge, length })
+    };
+    places.into_iter().zip(normals).map(meeting).collect()
+}
+
+/// What distances count in a corner of three faces with these normals, for the common point of three panels that are as high there,
+/// above or below: the proof goes to it along rulings and across them, and takes distances beside the corner, where they may be as
+/// much more. `None` where normals are nearly in one plane.
 pub(super) fn corner_counts(normals: [Vec3; 3]) -> Option<f64> {
     let matrix = Matrix3::from_rows(&normals.map(|n| n.transpose()));
     let back = matrix.try_inverse()?;
-    // The common point of panels that are as high as each may be, above or below.
     let point = |signs: u32| {
         let sign = |k: u32| if signs & (1 << k) == 0 { 1.0 } else { -1.0 };
-        (back * Vec3::new(sign(0), sign(1), sign(2))).norm()
+        let x = back * Vec3::new(sign(0), sign(1), sign(2));
+        // Twice the squares of the way in a panel and of the height.
+        (2.0 * x.norm_squared()).sqrt()
     };
     let away = (0..8).map(point).fold(1.0, f64::max);
     (away * LEAST <= 1.0).then_some(away / AWAY)
@@ -33,20 +76,10 @@ pub(super) fn corner_counts(normals: [Vec3; 3]) -> Option<f64> {
 
 /// Places along an edge, and what the distances of panels count there. `None` where faces meet at too small an angle.
 pub(super) fn counts(of: &Common, grounds: &[Ground], torses: &Torses) -> Option<Vec<(Vec3, f64)>> {
-    let [a, b] = [0, 1].map(|k: usize| &grounds[of.faces[k]]);
-    let points = a.places(&of.chains[0].vertices, PARTS);
-    let others = b.places(&of.chains[1].vertices, PARTS);
-    let mut normals = [a.normals(&of.chains[0].vertices, PARTS), b.normals(&of.chains[1].vertices, PARTS)];
-    // Both faces seen from one side: borders run counter-clockwise about normals.
-    if !of.turned {
-        normals[1].iter_mut().for_each(|n| *n = -*n);
-    }
-    let mut near = [0, 1].map(|k: usize| torses.near((of.faces[k], of.chains[k].label), &points[0]));
-    let (mut out, mut sums) = (Vec::with_capacity(points.len()), [0.0_f64; 2]);
-    for (x, n) in points.iter().zip(&normals[0]) {
-        let far = |i: &usize| (others[*i] - x).norm_squared();
-        let beside = (0..others.len()).min_by(|i, j| far(i).total_cmp(&far(j)))?;
-        let m = &normals[1][beside];
+    let Along { places, normals } = Along::of(of, grounds)?;
+    let mut near = [0, 1].map(|k: usize| torses.near((of.faces[k], of.chains[k].label), &places[0][0]));
+    let (mut out, mut sums) = (Vec::with_capacity(places.len()), [0.0_f64; 2]);
+    for ([x, _], [n, m]) in places.iter().zip(&normals) {
         let height = |near: &mut super::course::Near, n: &Vec3| near.height(x, n);
         let [first, second] = &mut near;
         let product = height(first.as_mut()?, n)? * height(second.as_mut()?, m)?;

@@ -8,28 +8,31 @@
 
 mod course;
 mod heights;
+mod likely;
 mod places;
 mod vertices;
 
-use crate::certify::{Known, SeamStatus};
+use crate::certify::{known_of, Known, SeamStatus};
 use crate::control::Control;
 use crate::fit::panels::boundary::TrimChain;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Border;
 use crate::search::build::{limits_missed, rebuilt, Built, Rebuilding};
 use crate::search::cover::Limits;
+use crate::search::joint::Meeting;
 use crate::search::stitch::attempts::unproven;
 use crate::search::stitch::seams::{kept, SharedSeam};
 use crate::torse::form::Torse;
-use course::{course, ended_anew, parts, Beside, Course};
-use heights::{corner_counts, counts};
+use course::{course, ended_anew, parts, Course, Model};
+use heights::{corner_counts, counts, meetings};
+use likely::{at_least, Ending};
 use places::{common, cut, shares_along, Common, Ground};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use vertices::{Corner, Corners, InnerSeam, Torses};
 
-/// Rounds of building panels without the edges that were refused, at most.
-const ROUNDS: usize = 16;
+/// Rounds without the edges that were refused, at most: most of them cost no proof.
+const ROUNDS: usize = 64;
 /// Edges farther than this multiple of the tolerance from the model's are not worth a proof.
 const REACH: f64 = 1.0;
 
@@ -40,9 +43,23 @@ pub(crate) struct Across {
     pub built: Vec<Option<Built>>,
     /// Length (mm) of the common edges.
     pub length: f64,
-    /// For each face beside an edge at which panels do not meet: places along all edges at which it meets others, and what
-    /// distances of panels should count there for them to meet.
-    pub lower: Vec<Vec<(Vec3, f64)>>,
+    /// All edges at which faces meet, and what it takes for panels to meet there.
+    pub edges: Vec<Beside>,
+    /// For each face its corners with two others, and what distances of panels should count there for them to meet.
+    pub corners: Vec<Vec<(Vec3, f64)>>,
+}
+
+/// What it takes for panels to meet along an edge of the model.
+pub(crate) struct Beside {
+    /// Numbers of the faces.
+    pub faces: [usize; 2],
+    /// Whether panels do not meet.
+    pub open: bool,
+    /// Places at which strips on both sides must be equally high; none where faces fold back.
+    pub meetings: Option<Vec<Meeting>>,
+    /// Places with what distances must count for panels to meet whatever those on the other side are; none where faces turn
+    /// little.
+    pub counts: Option<Vec<(Vec3, f64)>>,
 }
 
 /// The panels of faces, those beside edges at which faces meet at an angle ended in common edges, as far as that can be proven.
@@ -55,7 +72,7 @@ pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, cont
     let mut grounds: Vec<Ground> = built.iter().map(|b| ground(b)).collect();
     cut(&mut grounds, tolerance);
     let all = common(&grounds, tolerance);
-    let known: Vec<Known> = built.iter().map(|_| Known::default()).collect();
+    let known: Vec<Known> = built.par_iter().map(|b| known_of(&b.certificate, &b.patchwork)).collect();
     let attempt = Attempt { built, grounds, all, known, tolerance, limits, control, torses: Torses::of(built) };
     let mut refused = BTreeSet::new();
     let mut out = nothing();
@@ -76,7 +93,7 @@ pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, cont
     if out.length <= 0.0 {
         refused = (0..attempt.all.len()).collect();
     }
-    out.lower = attempt.lower(&refused);
+    attempt.beside_edges(&refused, &mut out);
     out
 }
 
@@ -96,6 +113,9 @@ struct Attempt<'a> {
     control: &'a Control,
     torses: Torses<'a>,
 }
+
+/// A common edge: its course, the edge for both sides, and how far its panels are at least from their faces then.
+type Edge = (Course, [SharedSeam; 2], f64);
 
 /// What changes on a face.
 #[derive(Default)]
@@ -183,13 +203,22 @@ impl Attempt<'_> {
 
     /// Common edges, for the faces on both sides.
     fn edges(&self, wanted: &[usize], corners: &Corners, changes: &mut [Change]) -> Result<(), Vec<usize>> {
-        let found: Vec<Option<(Course, [SharedSeam; 2])>> =
-            wanted.par_iter().map(|&e| self.edge(&self.all[e], corners)).collect();
+        let found: Vec<Option<Edge>> = wanted.par_iter().map(|&e| self.edge(&self.all[e], corners)).collect();
         let bad: Vec<usize> = wanted.iter().zip(&found).filter(|f| f.1.is_none()).map(|f| *f.0).collect();
         if !bad.is_empty() {
             return Err(bad);
         }
-        for (&e, (course, sides)) in wanted.iter().zip(found.into_iter().flatten()) {
+        // Of edges that end in one point the worst is to be done without: the others may then end elsewhere.
+        let most: BTreeMap<usize, f64> = wanted.iter().zip(found.iter().flatten()).map(|(&e, f)| (e, f.2)).collect();
+        let is_worst = |e: &usize| {
+            let own = corners.all.iter().filter(|c| c.edges.iter().any(|x| x.0 == *e));
+            own.flat_map(|c| &c.edges).all(|x| most.get(&x.0).is_none_or(|m| *m <= most[e]))
+        };
+        let bad: Vec<usize> = wanted.iter().copied().filter(|e| most[e] > self.tolerance && is_worst(e)).collect();
+        if !bad.is_empty() {
+            return Err(bad);
+        }
+        for (&e, (course, sides, _)) in wanted.iter().zip(found.into_iter().flatten()) {
             for (k, side) in sides.into_iter().enumerate() {
                 let change = &mut changes[self.all[e].faces[k]];
                 change.uses(self.all[e].chains[k].label, course.rulings[k]);
@@ -200,7 +229,7 @@ impl Attempt<'_> {
     }
 
     /// One common edge, for both sides.
-    fn edge(&self, of: &Common, corners: &Corners) -> Option<(Course, [SharedSeam; 2])> {
+    fn edge(&self, of: &Common, corners: &Corners) -> Option<Edge> {
         let [a, b] = &of.chains;
         let edges = a.vertices.len() - 1;
         let parts = parts(edges);
@@ -208,7 +237,7 @@ impl Attempt<'_> {
         let corner = |v: u32| corners.at(of.faces[0], v).map(|c| c.place);
         let ends = [corner(a.vertices[0])?, corner(a.vertices[edges])?];
         let near = |k: usize| self.torses.near((of.faces[k], of.chains[k].label), &points[0]);
-        let beside = Beside { points: &points, parts, ends, reach: REACH * self.tolerance };
+        let beside = Model { points: &points, parts, ends, reach: REACH * self.tolerance };
         let course = course([near(0)?, near(1)?], &beside)?;
         let mut others = self.grounds[of.faces[1]].places(&b.vertices, 1);
         if of.turned {
@@ -235,7 +264,15 @@ impl Attempt<'_> {
             parameters,
         };
         let sides = [side(a, course.curve.clone(), first), side(b, curve, second)];
-        Some((course, sides))
+        let mut most = 0.0;
+        for (k, SharedSeam { edge, parameters, .. }) in sides.iter().enumerate() {
+            let TrimChain { vertices, label, .. } = &of.chains[k];
+            let ending = Ending { vertices, label: *label, curve: edge, parameters };
+            let ground = &self.grounds[of.faces[k]];
+            let first = self.torses.near((of.faces[k], *label), &ground.places(&vertices[..1], 1)[0])?;
+            most = f64::max(most, at_least(ground, &ending, &first, self.tolerance));
+        }
+        Some((course, sides, most))
     }
 
     /// Seams inside faces that end in corners of common edges, ended there.
@@ -382,23 +419,22 @@ impl Attempt<'_> {
         out
     }
 
-    /// See [`Across::lower`]; `open` are the edges at which panels do not meet.
-    fn lower(&self, open: &BTreeSet<usize>) -> Vec<Vec<(Vec3, f64)>> {
-        let counts: Vec<Option<Vec<(Vec3, f64)>>> =
-            self.all.par_iter().map(|e| counts(e, &self.grounds, &self.torses)).collect();
-        let is_open = |e: &usize| open.contains(e);
+    /// What it takes for panels to meet; `open` are the edges at which they do not.
+    fn beside_edges(&self, open: &BTreeSet<usize>, out: &mut Across) {
+        if open.is_empty() {
+            return;
+        }
+        let beside = |(e, of): (usize, &Common)| Beside {
+            faces: of.faces,
+            open: open.contains(&e),
+            meetings: meetings(e, of, &self.grounds),
+            counts: counts(of, &self.grounds, &self.torses),
+        };
+        out.edges = self.all.par_iter().enumerate().map(beside).collect();
         let edges: Vec<usize> = (0..self.all.len()).collect();
         let corners = Corners::of(&self.all, &edges, &self.seams());
-        let of = |face: usize| {
-            let beside: Vec<usize> = (0..self.all.len()).filter(|&e| self.all[e].faces.contains(&face)).collect();
-            if !beside.iter().any(|e| is_open(e) && counts[*e].is_some()) {
-                return Vec::new();
-            }
-            let places = beside.iter().filter_map(|e| counts[*e].clone()).flatten();
-            let corners = corners.all.iter().filter_map(|c| self.corner_counts(c, face));
-            places.chain(corners).collect()
-        };
-        (0..self.built.len()).map(of).collect()
+        let of = |face: usize| corners.all.iter().filter_map(|c| self.corner_counts(c, face)).collect();
+        out.corners = (0..self.built.len()).map(of).collect();
     }
 
     /// Where a corner of three faces is in one of them, and what distances count there.

@@ -1,6 +1,6 @@
 //! Points in which common edges of faces end: each is on all torses whose panels end there in common edges.
 
-use super::course::{common_point, Near};
+use super::course::{common_point, Near, HARDLY};
 use super::places::{Common, Ground};
 use crate::geom::Vec3;
 use crate::patchwork::panel::Coedge;
@@ -174,11 +174,18 @@ fn place(corner: &mut Corner, all: &[Common], grounds: &[Ground], torses: &Torse
         let p = grounds[faces[0]].places(&pair, 1);
         (p[1] - p[0]).normalize()
     });
-    match common_point(&mut near, &middle, across.as_ref()) {
-        Some((x, left)) if left <= ON_ALL * tolerance && (x - middle).norm() <= 2.0 * tolerance => {
+    // Where torses hardly cross, or more than three meet, the place is near all of them.
+    let length = corner.edges.iter().map(|e| all[e.0].chains[0].length).fold(f64::INFINITY, f64::min);
+    let exactly = [(0.0, ON_ALL * tolerance), (HARDLY.0, HARDLY.1 * length)];
+    let found = exactly.into_iter().find_map(|(sideways, allowed)| {
+        let (x, left) = common_point(&mut near, &middle, across.as_ref(), sideways)?;
+        (left <= allowed && (x - middle).norm() <= 2.0 * tolerance).then_some(x)
+    });
+    match found {
+        Some(x) => {
             corner.place = x;
             None
         }
-        _ => worst,
+        None => worst,
     }
 }
