@@ -50,8 +50,8 @@ const POLISHINGS: usize = 2;
 /// See [`POLISHINGS`].
 const MOST: f64 = 0.97;
 
-/// Edges between faces that are given up where strips come no nearer, at most.
-const LEFT: usize = 12;
+/// Edges between faces that are given up where strips come no nearer, at most, and steps after which none is: each costs some.
+const LEFT: (usize, usize) = (3, 16);
 
 /// Share of their least regularity that strips which are to meet those of other faces keep: places at their ends are where edges
 /// end, and can be less regular than any other.
@@ -186,8 +186,9 @@ impl<'a> Joint<'a> {
     pub fn joined_all(&mut self, control: &Control) -> Vec<Option<Joined>> {
         self.improve(control);
         // What cannot be had at one edge must not cost the others.
-        for _ in 0..LEFT {
-            if self.fleet.measured()[0] <= 1.0 || control.stopped() || !self.fleet.leave_worst() {
+        for _ in 0..LEFT.0 {
+            let done = self.fleet.measured()[0] <= 1.0 || self.steps.len() >= LEFT.1;
+            if done || control.stopped() || !self.fleet.leave_worst() {
                 break;
             }
             self.improve(control);

@@ -16,8 +16,6 @@ const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
 const WEIGHTS: [f64; 4] = [20.0, 80.0, 320.0, 1200.0];
 /// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
 const STEPS: usize = 8;
-/// The same of strips of several faces: the ends of edges between these may be reached in small parts of steps alone.
-const STEPS_OF_FACES: usize = 14;
 /// Trials of a step.
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
@@ -53,8 +51,7 @@ impl<'a> Joint<'a> {
     pub(super) fn improve(&mut self, control: &Control) {
         let begun = !self.steps.is_empty();
         let (mut damping, mut reach, mut far, mut count) = (1.0, 1.0, false, 0);
-        let steps = if self.fleet.networks.len() > 1 { [STEPS_OF_FACES; 2] } else { [STEPS, FAR_STEPS] };
-        while count < steps[usize::from(far)] && !control.stopped() {
+        while count < (if far { FAR_STEPS } else { STEPS }) && !control.stopped() {
             let now = &self.fleet;
             let at = now.measured();
             far |= count == FAR.1 && at[0] > FAR.0;

@@ -18,6 +18,8 @@ const AWAY: f64 = 0.97;
 const ONE_SIGN: f64 = 0.9;
 /// Heights that must be less than this share of the tolerance are not asked for: panels would become many.
 const LEAST: f64 = 0.25;
+/// Places along an edge at which panels are to be equally high, at most: as along a seam inside a face.
+const MOST_MEETINGS: usize = 120;
 /// Cosine of half the turn of faces at least, for the panels on both sides to be laid anew together.
 const LEAST_MIDDLE: f64 = 0.5;
 
@@ -48,14 +50,18 @@ impl Along {
 /// Places along an edge at which panels on both sides are to be equally high. `None` where faces fold back there.
 pub(super) fn meetings(edge: usize, of: &Common, grounds: &[Ground]) -> Option<Vec<Meeting>> {
     let Along { places, normals } = Along::of(of, grounds)?;
-    let share = (places.len() as f64).recip();
+    let last = places.len() - 1;
+    let every = last.div_ceil(MOST_MEETINGS).max(1);
+    let chosen: Vec<usize> = (0..last).step_by(every).chain([last]).collect();
+    let share = (chosen.len() as f64).recip();
     let length = of.chains[0].length;
     let (faces, labels) = (of.faces, [0, 1].map(|k: usize| of.chains[k].label));
-    let meeting = |(places, normals): ([Vec3; 2], [Vec3; 2])| {
+    let meeting = |k: usize| {
+        let (places, normals): ([Vec3; 2], [Vec3; 2]) = (places[k], normals[k]);
         let open = (normals[0] + normals[1]).norm() >= 2.0 * LEAST_MIDDLE;
         open.then_some(Meeting { faces, labels, places, normals, share, edge, length })
     };
-    places.into_iter().zip(normals).map(meeting).collect()
+    chosen.into_iter().map(meeting).collect()
 }
 
 /// What distances count in a corner of three faces with these normals, for the common point of three panels that are as high there,
