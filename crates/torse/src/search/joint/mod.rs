@@ -135,6 +135,9 @@ pub(crate) struct Joint<'a> {
     steps: Vec<StepReport>,
 }
 
+/// A face whose strips are to be joined: its cover, the lines between them and what is asked.
+pub(crate) type Beside<'a, 'b> = (&'a Face, &'b State, Vec<SeamChain>, &'b Asked<'a>);
+
 impl<'a> Joint<'a> {
     /// *Input*: `state` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a
     /// torse of higher degree, with samples without feet) stay as they are, and borders that close. `None` without any border
@@ -145,7 +148,7 @@ impl<'a> Joint<'a> {
     }
 
     /// The same of several faces, which are to meet at places besides; `None` for faces that take no part, as above.
-    pub fn of_faces(faces: Vec<Option<(&'a Face, &State, Vec<SeamChain>, &Asked)>>, meetings: &[Meeting]) -> Self {
+    pub fn of_faces(faces: Vec<Option<Beside<'a, '_>>>, meetings: &[Meeting]) -> Self {
         let networks: Vec<Option<Network<'a>>> = faces
             .into_iter()
             .map(|f| f.and_then(|(face, state, chains, asked)| start::network(face, state, chains, asked)))

@@ -135,6 +135,9 @@ pub(crate) fn met(
     attempts.best
 }
 
+/// What panels of one face come to: none where it stays as it is.
+type Placed = Option<Result<Built, Refused>>;
+
 /// The panels of faces, none for those that stay as they are, laid anew so that they meet at places between faces; `None` for
 /// those that cannot be proven, or whose panels would meet in fewer edges.
 pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], control: &Control) -> Vec<Option<Built>> {
@@ -170,7 +173,7 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
             }
             Some(a.placed(base, joined, refinement == REFINEMENTS))
         };
-        let placed: Vec<Option<Result<Built, Refused>>> = attempts.par_iter().zip(joined).map(placed).collect();
+        let placed: Vec<Placed> = attempts.par_iter().zip(joined).map(placed).collect();
         let mut again = false;
         for (face, p) in placed.iter().enumerate() {
             if let Some(Err(refused)) = p {
@@ -178,7 +181,7 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
             }
         }
         if !again {
-            let good = |(a, p): (&Option<(Attempts, State)>, Option<Result<Built, Refused>>)| {
+            let good = |(a, p): (&Option<(Attempts, State)>, Placed)| {
                 let (a, next) = (&a.as_ref()?.0, p?.ok()?);
                 a.is_no_worse(&next).then_some(next)
             };

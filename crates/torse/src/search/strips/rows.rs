@@ -108,7 +108,7 @@ pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, con
         _ => best(estimates, most, options, control),
     };
     let which = found.as_ref().map_or(0, |f| f.0);
-    let all = || vec![0..estimates.get(which).map_or(0, Vec::len)];
+    let all = || -> Vec<Range<usize>> { std::iter::once(0..estimates.get(which).map_or(0, Vec::len)).collect() };
     let mut ranges = if own.is_empty() { Vec::new() } else { all() };
     if let Some((_, found)) = found {
         let elements = &estimates[which];
