@@ -62,28 +62,40 @@ fn across_faces<E: Send>(met: &mut [Result<Met, E>], (tolerance, limits): (f64, 
     let faces: Vec<(usize, &Met)> = met.iter().enumerate().filter_map(|(k, m)| Some((k, m.as_ref().ok()?))).collect();
     let before: Vec<&Built> = faces.iter().map(|f| &f.1.built).collect();
     let first = joined(&before);
-    let anew = laid_anew(&faces, &first, tolerance, control);
-    let mut best = first;
-    if anew.iter().any(Option::is_some) {
-        let nearer: Vec<&Built> = before.iter().zip(&anew).map(|(b, l)| l.as_ref().unwrap_or(b)).collect();
-        let second = joined(&nearer);
-        if second.length > best.length {
-            best = second;
+    let mut best: Option<Across> = None;
+    for together in [false, true] {
+        // What faces can do each for itself costs less, and does for most bodies.
+        let edges = &best.as_ref().unwrap_or(&first).edges;
+        if together && edges.iter().filter(|e| e.open).count() * 2 <= edges.len() {
+            break;
+        }
+        let anew = laid_anew(&faces, &first, together, (tolerance, control));
+        if anew.iter().any(Option::is_some) {
+            let nearer: Vec<&Built> = before.iter().zip(&anew).map(|(b, l)| l.as_ref().unwrap_or(b)).collect();
+            let next = joined(&nearer);
+            if next.length > best.as_ref().unwrap_or(&first).length {
+                best = Some(next);
+            }
         }
     }
-    let Across { built, .. } = best;
+    let Across { built, .. } = best.unwrap_or(first);
     met.iter_mut().flatten().zip(built).for_each(|(m, b)| b.into_iter().for_each(|b| m.built = b));
 }
 
-/// The panels of faces beside edges at which panels do not meet, laid anew so that they may; none for the others, and for those
-/// that cannot be proven.
-fn laid_anew(faces: &[(usize, &Met)], first: &Across, tolerance: f64, control: &Control) -> Vec<Option<Built>> {
-    let open = first.edges.iter().filter(|e| e.open && (e.meetings.is_some() || e.counts.is_some()));
+/// The panels of faces beside edges at which panels do not meet, laid anew so that they may, in one program over all of them
+/// (`together`) or each for itself; none for the others, and for those that cannot be proven.
+fn laid_anew(
+    faces: &[(usize, &Met)],
+    first: &Across,
+    together: bool,
+    (tolerance, control): (f64, &Control),
+) -> Vec<Option<Built>> {
+    let open = first.edges.iter().filter(|e| e.open && (together && e.meetings.is_some() || e.counts.is_some()));
     let beside: BTreeSet<usize> = open.flat_map(|e| e.faces).filter(|&f| faces[f].1.is_free()).collect();
     if beside.is_empty() {
         return faces.iter().map(|_| None).collect();
     }
-    let are_both = |e: &Beside| e.faces.iter().all(|f| beside.contains(f)) && e.meetings.is_some();
+    let are_both = |e: &Beside| together && e.faces.iter().all(|f| beside.contains(f)) && e.meetings.is_some();
     let meetings: Vec<Meeting> =
         first.edges.iter().filter(|e| are_both(e)).filter_map(|e| e.meetings.clone()).flatten().collect();
     // Beside faces that stay as they are distances count for themselves.
@@ -98,7 +110,11 @@ fn laid_anew(faces: &[(usize, &Met)], first: &Across, tolerance: f64, control: &
         let (index, met) = faces[f];
         beside.contains(&f).then(|| met.side(index, &borders[f]))?
     };
-    met_together((0..faces.len()).map(side).collect(), &meetings, control)
+    if together {
+        return met_together((0..faces.len()).map(side).collect(), &meetings, control);
+    }
+    let alone = |f: usize| met_together(vec![side(f)], &[], control).pop().flatten();
+    (0..faces.len()).into_par_iter().map(alone).collect()
 }
 
 /// Places within this share of the reach of the nearest one count too.
