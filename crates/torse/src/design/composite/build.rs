@@ -37,8 +37,9 @@ pub(super) enum Form {
     N,
 }
 
-/// Weight of places as they were given beside differences of control points.
-const STAY: f64 = 2.0;
+/// Weight of places as they were given beside differences of control points: of ruled strips, and of developables, which targets
+/// must lead farther.
+const STAY: [f64; 2] = [2.0, 0.5];
 
 pub(super) struct Builder<'a> {
     pub composite: &'a Composite,
@@ -385,11 +386,12 @@ impl Builder<'_> {
         }
         // Targets say nothing of places along them: there, strips stay where they were given.
         if !self.composite.targets.is_empty() {
+            let weight = STAY[usize::from(!self.composite.is_ruled())];
             let points: std::collections::BTreeSet<u32> = self.built.points.iter().flatten().copied().collect();
             for p in points {
                 let given = self.given(self.at(p));
                 let row = Vanish::at(&Stencil::point(p), given);
-                self.add(row, Role::Fair { weight: STAY }, "fairness", Item::Fairness);
+                self.add(row, Role::Fair { weight }, "fairness", Item::Fairness);
             }
         }
         let folds = |name: &String| {
