@@ -318,8 +318,8 @@ impl Sheet {
             if off.norm() <= FOUND * size {
                 break;
             }
-            // Derivatives are taken anew where those of the last step lead on no more.
-            if inverse.is_none() || off.norm() > AS_STEEP * before {
+            // Derivatives are taken anew where those of the last step lead on no more, and beside a tip, where they change at once.
+            if inverse.is_none() || off.norm() > AS_STEEP * before || self.edge <= 0.0 {
                 let slope = |k: usize| {
                     let (mut a, mut b) = (uv, uv);
                     a[k] -= h[k];
