@@ -124,7 +124,16 @@ impl Ends {
             let seen = found.map(|f| (f.seen, f.place));
             let reason =
                 Reason::of(Item::Named(panel.strip.name.clone()), StripReason::FromFace { within: tolerance, seen });
-            let claim = |k: usize| Claim::at_most(What::FaceDistance, Subject::Panel(k), bound).within(tolerance);
+            // What is promised is proven at the rulings; a strip that was seen farther away, or of which nothing is known, is refused.
+            let refused = !bound.value().is_finite() || found.is_none_or(|f| f.seen > tolerance);
+            let claim = |k: usize| {
+                let claim = Claim::at_most(What::FaceDistance, Subject::Panel(k), bound);
+                if refused {
+                    claim.within(tolerance)
+                } else {
+                    claim
+                }
+            };
             out.push(claim(*first).because(reason));
             out.extend(own.iter().skip(1).map(|p| claim(p.0)));
         }
