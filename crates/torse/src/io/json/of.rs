@@ -272,7 +272,6 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
             let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
             let drawn = |value: fn(&Pattern) -> f64| pattern.map(value).and_then(finite);
             let proven = |value: fn(&FlatCertificate) -> f64| flat.map(value).and_then(finite);
-            let drawing_bound = proven(FlatCertificate::drawing_bound);
             let panels = answer.patchwork.panels.iter().skip(part.first).take(part.count);
             let thickness = sheet(k).map(|s| s.thickness).filter(|t| *t > 0.0).or(shop.thickness);
             let weight = shop.material.as_ref().zip(thickness).zip(pattern).map(|((m, t), p)| m.weight(p.area, t));
@@ -285,10 +284,9 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 area: drawn(|p| p.area_in_space),
                 flat_area: drawn(|p| p.area),
                 isometry_error: drawn(|p| p.isometry_error),
-                // Estimates stay on the safe side of their samples; what is proven is no less true for that.
-                contour_error: drawn(|p| p.contour_error).map(|e| e.min(drawing_bound.unwrap_or(e))),
+                contour_error: drawn(|p| p.contour_error),
                 strain_bound: proven(FlatCertificate::strain_bound),
-                drawing_bound,
+                drawing_bound: proven(FlatCertificate::drawing_bound),
                 length: drawn(|p| p.length),
                 width: drawn(|p| p.width),
                 view: pattern.map_or_else(String::new, |p| p.view.name().into()),
