@@ -122,9 +122,13 @@ impl Development {
     /// Image of the patch point `(t, r)`, mm.
     pub fn map(&self, t: f64, r: f64) -> Vec2 {
         let (o, angle) = self.directrix(t);
-        let x = self.patch.point(t, r);
-        let (p, q) = (self.patch.point(t, 0.0), self.patch.point(t, 1.0));
-        let l = (x - self.patch.point(t, 0.5)).dot(&(q - p).normalize());
+        // Both ends of the ruling say where all of it is.
+        let [p, q] = [0.0, 1.0].map(|r| self.patch.homogeneous_point(t, r));
+        let on = |r: f64| {
+            let h = [0, 1, 2, 3].map(|d: usize| p[d] + (q[d] - p[d]) * r);
+            Vec3::new(h[0], h[1], h[2]) / h[3]
+        };
+        let l = (on(r) - on(0.5)).dot(&(on(1.0) - on(0.0)).normalize());
         o + Vec2::new(angle.cos(), angle.sin()) * l
     }
 

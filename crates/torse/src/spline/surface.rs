@@ -216,10 +216,15 @@ impl Surface {
         }
     }
 
+    /// Homogeneous point at `(u, v)`.
+    pub fn homogeneous_point(&self, u: f64, v: f64) -> [f64; 4] {
+        // Where the degree is known at compile time, what belongs to the derivatives is left out by the compiler.
+        by_degree!(self, u, v, |jet: [[f64; 4]; 6]| jet[0], self.any_degree_jet(u, v, 0)[0])
+    }
+
     /// Point at `(u, v)`.
     pub fn point(&self, u: f64, v: f64) -> Vec3 {
-        // Where the degree is known at compile time, what belongs to the derivatives is left out by the compiler.
-        let h = by_degree!(self, u, v, |jet: [[f64; 4]; 6]| jet[0], self.any_degree_jet(u, v, 0)[0]);
+        let h = self.homogeneous_point(u, v);
         Vec3::new(h[0], h[1], h[2]) / h[3]
     }
 

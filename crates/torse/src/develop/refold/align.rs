@@ -2,7 +2,8 @@
 
 use super::drawn::{bounds, foot, sides};
 use crate::develop::unfold::region::Motion;
-use crate::geom::Vec2;
+use crate::geom::box_tree::BoxTree;
+use crate::geom::{BBox, Vec2, Vec3};
 use nalgebra::Matrix2;
 
 /// Share of the size below which places have been found.
@@ -49,6 +50,8 @@ impl Moments {
 /// is left.
 pub(super) fn settled(loops: &[Vec<Vec2>], start: Motion, points: &[Vec<Vec2>], rounds: usize) -> (Motion, f64) {
     let all: Vec<(Vec2, Vec2)> = sides(loops).collect();
+    let raised = |q: &Vec2| Vec3::new(q.x, q.y, 0.0);
+    let tree = BoxTree::new(all.len(), &|i| BBox::of([raised(&all[i].0), raised(&all[i].1)].iter()));
     let mut motion = start;
     let mut left = f64::INFINITY;
     for _ in 0..rounds {
@@ -60,11 +63,9 @@ pub(super) fn settled(loops: &[Vec<Vec2>], start: Motion, points: &[Vec<Vec2>], 
             let [c, s] = motion.turn;
             let p = x - motion.shift;
             let own = Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x);
-            let nearest = all
-                .iter()
-                .map(|(p, q)| (foot(p, q, &own), q - p))
-                .min_by(|a, b| (a.0 - own).norm_squared().total_cmp(&(b.0 - own).norm_squared()));
-            let Some((f, along)) = nearest else { continue };
+            let on = |i: usize| foot(&all[i].0, &all[i].1, &own);
+            let Some((side, _)) = tree.nearest(&raised(&own), &|i| (on(i) - own).norm_squared()) else { continue };
+            let (f, along) = (on(side), all[side].1 - all[side].0);
             let off = own - f;
             let n = off.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(|| Vec2::new(-along.y, along.x) / along.norm());
             let row = nalgebra::Vector3::new(n.x, n.y, own.perp(&n));

@@ -51,6 +51,8 @@ pub struct Sheet {
     seeds: Vec<([f64; 2], Vec2)>,
     /// Sides of the loops in pieces that are nearly straight in space.
     border: Vec<BorderPiece>,
+    /// Share of the patch by which a place may lie beyond its edges and still be on it.
+    edge: f64,
 }
 
 /// A piece of a panel's border: parameters and places of its ends.
@@ -159,6 +161,13 @@ const SEEDS: (usize, usize) = (40, 8);
 const NEAREST_PIECES: usize = 4;
 /// Steps of Newton's method.
 const STEPS: usize = 30;
+/// Share of the distance that is left after a step with which derivatives do for the next one, too.
+const AS_STEEP: f64 = 0.1;
+/// Share of a patch by which a place may lie beyond an edge and still be on it: drawn outlines are a little off. Where an edge
+/// is shorter than the next share of the other, as beside an apex, nothing may.
+const EDGE: f64 = 1e-3;
+/// See [`EDGE`].
+const TIP: f64 = 0.1;
 /// Share of a panel's parameters by which differences for derivatives are taken: the root of rounding's share.
 const DIFFERENCE: f64 = 1e-6;
 /// Share of these differences below which a step goes nowhere.
@@ -188,9 +197,21 @@ const ONE_WAY: f64 = 0.999_85;
 /// Candidates whose outlines fit so much worse than the best are no candidates.
 const AS_GOOD: f64 = 3.0;
 
+/// Whether an edge of a patch over all rulings is nearly a point.
+fn has_tip(surface: &Surface) -> bool {
+    let ((u0, u1), (v0, v1)) = surface.domain();
+    let length = |v: f64| -> f64 {
+        let at = |k: usize| surface.point(u0 + (u1 - u0) * k as f64 / SEEDS.0 as f64, v);
+        (0..SEEDS.0).map(|k| (at(k + 1) - at(k)).norm()).sum()
+    };
+    let (a, b) = (length(v0), length(v1));
+    a.min(b) < TIP * a.max(b)
+}
+
 impl Sheet {
     fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
-        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new() };
+        let edge = if has_tip(&panel.surface) { 0.0 } else { EDGE };
+        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new(), edge };
         out.flat = out.images();
         out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -255,7 +276,8 @@ impl Sheet {
     fn inverse(&self, q: &Vec2, size: f64) -> ([f64; 2], f64) {
         let far = |s: &([f64; 2], Vec2)| (s.1 - q).norm_squared();
         let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
-        let on_patch = |uv: [f64; 2]| uv[0] >= u0 && uv[0] <= u1 && uv[1] >= v0 && uv[1] <= v1;
+        let [du, dv] = [(u1 - u0) * self.edge, (v1 - v0) * self.edge];
+        let on_patch = |uv: [f64; 2]| uv[0] >= u0 - du && uv[0] <= u1 + du && uv[1] >= v0 - dv && uv[1] <= v1 + dv;
         let found = |(uv, off): ([f64; 2], f64)| on_patch(uv) && off <= FOUND * size;
         let Some(&(near, _)) = self.seeds.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else {
             return ([0.0; 2], f64::INFINITY);
@@ -286,6 +308,8 @@ impl Sheet {
         let h = [DIFFERENCE * (u1 - u0), DIFFERENCE * (v1 - v0)];
         let (du, dv) = (margin * (u1 - u0), margin * (v1 - v0));
         let mut best = (uv, f64::INFINITY);
+        let mut inverse: Option<Matrix2<f64>> = None;
+        let mut before = f64::INFINITY;
         for _ in 0..STEPS {
             let off = q - self.own_flat(uv);
             if off.norm() < best.1 {
@@ -294,14 +318,18 @@ impl Sheet {
             if off.norm() <= FOUND * size {
                 break;
             }
-            let slope = |k: usize| {
-                let (mut a, mut b) = (uv, uv);
-                a[k] -= h[k];
-                b[k] += h[k];
-                (self.own_flat(b) - self.own_flat(a)) / (2.0 * h[k])
-            };
-            let Some(inverse) = Matrix2::from_columns(&[slope(0), slope(1)]).try_inverse() else { break };
-            let step = inverse * off;
+            // Derivatives are taken anew where those of the last step lead on no more.
+            if inverse.is_none() || off.norm() > AS_STEEP * before {
+                let slope = |k: usize| {
+                    let (mut a, mut b) = (uv, uv);
+                    a[k] -= h[k];
+                    b[k] += h[k];
+                    (self.own_flat(b) - self.own_flat(a)) / (2.0 * h[k])
+                };
+                inverse = Matrix2::from_columns(&[slope(0), slope(1)]).try_inverse();
+            }
+            before = off.norm();
+            let Some(step) = inverse.map(|i| i * off) else { break };
             if !(step.x.is_finite() && step.y.is_finite()) {
                 break;
             }

@@ -48,11 +48,9 @@ pub(crate) struct Row {
     pub face: Option<GivenFace>,
 }
 
-/// Shares of the tolerance that strips of faces may use at the rulings, in turn: what lies between these and along the border, and
-/// what proofs exceed distances by, needs the rest.
-const AT_RULINGS: [f64; 3] = [0.8, 0.5, 0.25];
-/// Share of the tolerance that they may be off between the rulings.
-const OFF_BETWEEN: f64 = 0.9;
+/// Shares of the tolerance that strips of faces may use at the rulings, in turn: what lies between these and along the border
+/// needs the rest, where it is farther away.
+const AT_RULINGS: [f64; 4] = [1.0, 0.8, 0.5, 0.25];
 
 /// As [`strips_of_row`] for the row of a face: nearer at its rulings until they are near between them, too.
 pub(crate) fn strips_of_face(row: &mut Row, most: usize, options: &RowsAsked, control: &Control) -> RowStrips {
@@ -63,7 +61,7 @@ pub(crate) fn strips_of_face(row: &mut Row, most: usize, options: &RowsAsked, co
         let asked = RowsAsked { tolerance: share * options.tolerance, ..options.clone() };
         let found = strips_of_row(row, most, &asked, control);
         let off = row.face.as_ref().map_or(0.0, |f| f.off_between(&found.strips, control));
-        let near = off <= OFF_BETWEEN * options.tolerance;
+        let near = off <= options.tolerance;
         // Finer attempts that miss rulings are none.
         if best.is_some() && !(near && found.missed.is_empty()) {
             continue;
