@@ -424,8 +424,8 @@ around x,y,z with radius r). Planes must be in order along the surface; a column
 one, must increase, and a column w gives weights in the fit (the proof does not know them). The lines of a DXF
 drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew, or stay as they are
 where nothing simpler is found; the report tells degrees and control points before and after. Strips have as few
-control points as were found within the tolerance, and end where rulings or faces end. Faces are proven both ways as a
-whole, rulings and planes one by one, not between; those that --robust leaves out are named with their distances, and nothing is proven of them.
+control points as were found within the tolerance, and end where rulings or faces end. Rulings and planes, those
+of faces too, are proven one by one; of faces the distance from strips all over is proven and told besides. Those that --robust leaves out are named with their distances, and nothing is proven of them.
 
 With --min-clearance or --clear-zone the surface nearest to the data is sought whose regression curve (where rulings
 meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for

@@ -321,7 +321,7 @@ pub fn join(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certi
 }
 
 /// As [`join`], of pieces that were cut out of one face: along a cut each side ends within its deviation of the same line, and
-/// both are no farther apart than the sum.
+/// both are no farther apart than the sum. *Not checked*: that the parts are such pieces.
 pub fn join_pieces(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certificate {
     let mut bounds: Vec<f64> = parts.iter().map(|p| p.deviation_bound).collect();
     bounds.sort_by(|a, b| b.total_cmp(a));

@@ -127,7 +127,8 @@ fn shortened(given: &Given, out: &[(usize, ContactElement)]) -> Option<FitNote> 
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
-/// cubic splines that end at its border, within the tolerance both ways. Faces that are not ruled developables are named as skipped.
+/// cubic splines that end at its border, within the tolerance at its rulings; how far strips and faces are apart elsewhere, both
+/// ways, is proven and told. Faces that are not ruled developables are named as skipped.
 ///
 /// # Errors
 /// See [`ElementFitError`].

@@ -163,7 +163,7 @@ impl Session {
     }
 
     /// Brings strips as near to their targets as what is held and a trace of fairness allow; a solve leaves them where their
-    /// fading pull ended. Where the conditions are not met any more after that, nothing is changed.
+    /// fading pull ended. Where the conditions are not met any more after that, nothing is changed. *Not guaranteed*: how near.
     pub fn approach(&mut self, control: &Control) -> Report {
         let mut before = Kept::default();
         self.solver.keep(&mut before);

@@ -59,8 +59,8 @@ impl Ends {
         self.faces.is_empty() && self.borders.iter().all(Option::is_none)
     }
 
-    /// Whether faces are given, of which all places are proven.
-    pub fn of_faces_only(&self) -> bool {
+    /// Whether faces are given.
+    pub fn of_faces(&self) -> bool {
         !self.faces.is_empty()
     }
 
@@ -106,12 +106,12 @@ impl Ends {
                 );
             }
         }
-        out.extend(self.of_faces(&ended.panels, tolerance, control));
+        out.extend(self.face_distances(&ended.panels, tolerance, control));
         out
     }
 
     /// Two-sided distances between faces and what took their place.
-    fn of_faces(&self, panels: &[Panel], tolerance: f64, control: &Control) -> Vec<Claim> {
+    fn face_distances(&self, panels: &[Panel], tolerance: f64, control: &Control) -> Vec<Claim> {
         let mut out = Vec::new();
         let mut worst = UpperBound::nothing();
         for (face, own) in &self.faces {

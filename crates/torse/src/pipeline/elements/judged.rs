@@ -125,7 +125,9 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
     let mut notes: Vec<Note> = options.limits.iter().cloned().map(Note::Limits).collect();
     notes.extend(became.into_iter().map(FitNote::Face).map(Note::Fit));
     notes.extend(broken.into_iter().map(Note::Broken));
-    notes.extend((!ends.of_faces_only()).then_some(Note::Fit(FitNote::At(sort.counted()))));
+    let far = |c: &Claim| c.what() == What::FaceDistance && c.value() > options.tolerance;
+    let at_rulings = !ends.of_faces() || claims.iter().any(far);
+    notes.extend(at_rulings.then_some(Note::Fit(FitNote::At(sort.counted()))));
     notes.extend(ends.notes(&ended, matches!(sort, Sort::Rulings), control));
     notes.extend((strips.len() > 1).then_some(Note::Unjoined));
     Answer {
