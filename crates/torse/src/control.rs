@@ -23,9 +23,13 @@ pub(crate) type ProgressFn = dyn Fn(&Progress) + Send + Sync;
 pub struct Control {
     cancelled: Arc<AtomicBool>,
     deadline: Option<Instant>,
+    grace: Option<Duration>,
     effort: Option<Arc<Effort>>,
     progress: Option<Arc<ProgressFn>>,
 }
+
+/// Time to put together what a job has when it is asked to stop: people who asked wait for it.
+const GRACE: Duration = Duration::from_millis(1000);
 
 /// Work that may be spent, counted in attempts: unlike time it is the same on every machine.
 struct Effort {
@@ -58,6 +62,18 @@ impl Control {
     pub fn until(mut self, deadline: Instant) -> Self {
         self.deadline = Some(deadline);
         self
+    }
+
+    /// The same control with time to put together what there is when the computation is asked to stop, for all faces of a model;
+    /// a second unless told otherwise.
+    pub fn finishing_within(mut self, grace: Duration) -> Self {
+        self.grace = Some(grace);
+        self
+    }
+
+    /// See [`Self::finishing_within`].
+    pub(crate) fn grace(&self) -> Duration {
+        self.grace.unwrap_or(GRACE)
     }
 
     /// The same control for a search that ends when it needs more than so many attempts.

@@ -30,8 +30,6 @@ const STOPGAP_STEP: f64 = 4.0;
 const FIRST_SHARE: f64 = 0.2;
 /// Share of the time left that goes into finer stopgaps of a face.
 const STOPGAP_SHARE: f64 = 0.3;
-/// See [`Wanted::grace`]: people who asked to stop wait for it.
-const GRACE: Duration = Duration::from_millis(1000);
 /// Panels one after the other, where one would do but for the radius to which it may bend, from which on they may not be found
 /// at all.
 const MANY: f64 = 2.0;
@@ -60,7 +58,7 @@ pub(crate) struct Wanted<'a> {
 impl Wanted<'_> {
     /// When a job that was asked to stop must end: soon, for all faces together.
     fn end(&self) -> Instant {
-        *self.deadline.get_or_init(|| Instant::now() + GRACE)
+        *self.deadline.get_or_init(|| Instant::now() + self.control.grace())
     }
 
     /// Time for stopgaps after a job was asked to stop.
