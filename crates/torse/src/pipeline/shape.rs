@@ -14,6 +14,7 @@ mod rails;
 mod targets;
 #[cfg(test)]
 mod tests;
+mod unmet;
 
 use crate::answer::note::Note;
 use crate::answer::Answer;

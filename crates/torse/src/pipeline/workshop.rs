@@ -4,6 +4,7 @@
 //! measured from then on, and say so.
 
 mod options;
+mod planes;
 mod refusals;
 
 use crate::answer::note::{Note, ShopNote};
@@ -15,25 +16,22 @@ use crate::develop::shop::facets::faceted;
 use crate::develop::shop::laid::Laid;
 use crate::develop::shop::neutral::offset_pattern;
 use crate::develop::shop::roll::roll_table;
-use crate::develop::shop::sections::{sections, SectionPlane};
+use crate::develop::shop::sections::sections;
 use crate::develop::shop::thickness::{below_least, too_tight, PartSheet, Sheet};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::SheetPart;
-use crate::geom::BBox;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
 use crate::search::strips::cut::flat_area;
-use options::MOST_PLANES;
 pub use options::{Stations, WorkshopError, WorkshopOptions};
+use planes::planes;
 use rayon::prelude::*;
 
 /// Share of the tolerance to which changed outlines and marks are drawn.
 const DRAWN: f64 = 0.05;
-/// Share of the step within which a plane at the end of a range still counts.
-const HAIR: f64 = 1e-9;
 
 /// Prepares sheet and work of an answer: [`Answer::shop`], marks of sections and patterns of the neutral fibre.
 ///
@@ -175,39 +173,6 @@ fn refuse_grown(answer: &mut Answer, moved: &[usize], limits: &Limits) {
     answer.claims.extend(missed.reasons.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
     answer.beyond_limits.extend(missed.panels);
     answer.beyond_limits.sort_unstable();
-}
-
-/// All planes of all stations that may meet the model.
-fn planes(answer: &Answer, stations: &[Stations]) -> Result<Vec<SectionPlane>, WorkshopError> {
-    let mut bbox = BBox::empty();
-    for b in answer.strips().map(|s| s.patch.bbox()) {
-        bbox.include(&b.min);
-        bbox.include(&b.max);
-    }
-    let mut out = Vec::new();
-    for s in stations {
-        let (middle, half) = (0.5 * (bbox.min + bbox.max), 0.5 * (bbox.max - bbox.min));
-        let (at, reach) = (s.normal.dot(&middle), s.normal.abs().dot(&half));
-        let (lo, hi) = (at - reach, at + reach);
-        // Stations count from the first one given, else from the origin.
-        let zero = if s.from.is_finite() { s.from } else { 0.0 };
-        let first = ((lo.max(s.from) - zero) / s.step - HAIR).ceil();
-        let last = ((hi.min(s.to) - zero) / s.step + HAIR).floor();
-        let count = last - first + 1.0;
-        if count.is_nan() || count < 1.0 {
-            return Err(WorkshopError::Nowhere { name: s.name.clone(), from: s.from, to: s.to, lo, hi });
-        }
-        if count > MOST_PLANES as f64 {
-            return Err(WorkshopError::TooMany { step: s.step, count });
-        }
-        out.extend((0..count as usize).map(|k| {
-            let offset = zero + (first + k as f64) * s.step;
-            let number = format!("{:.3}", answer.cut.unit.of(offset));
-            let number = number.trim_end_matches('0').trim_end_matches('.');
-            SectionPlane { normal: s.normal, offset, label: format!("{} {number}", s.name.to_uppercase()) }
-        }));
-    }
-    Ok(out)
 }
 
 /// The least inside radius (mm) of a sheet. Sharp bends of a model tell none.
