@@ -7,6 +7,7 @@ use torse::brep::face::Face;
 use torse::brep::support_surface::SupportSurface;
 use torse::geom::{Frame, Vec3};
 use torse::io::artwork::{read, Artwork};
+use torse::io::curves::CurveOptions;
 use torse::io::result_folder::FolderError;
 use torse::pipeline::approximate::of_faces;
 use torse::pipeline::map_artwork::{read_map, MapError, Side};
@@ -88,6 +89,29 @@ fn all_quadrilaterals_of_a_strip_are_proven() {
     let report = answer.report();
     assert_eq!(report.parts[0].panels.len(), 10, "{report:?}");
     assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
+}
+
+/// A duct from square to round, planes and fans that end in points on the outline, as one flat part of the loft and in the parts
+/// that `unroll` makes of its panels: fans between planes begin and end at lines that are drawn.
+#[test]
+fn fans_between_planes_are_proven() {
+    let rail = |name: &str, bytes: &[u8]| torse::read_curve(bytes, &CurveOptions::new(name)).expect("a rail").0;
+    let square = rail("square", include_bytes!("../../../data/duct_square.dxf"));
+    let round = rail("round", include_bytes!("../../../data/duct_round.dxf"));
+    let mut lofted = torse::loft(&square, &round, &Loft::new(0.05), &Control::default()).expect("a duct");
+    let files: Files = torse::files(&mut lofted, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let model = torse::read(&files["panels.step"]).expect("panels");
+    let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.05) };
+    let mut flat = torse::unroll(&model, &options, &Control::default()).expect("flat parts");
+    let unrolled: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    for files in [files, unrolled] {
+        let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
+        assert!(report.left.is_empty(), "{report:?}");
+        let panels: Vec<_> = report.parts.iter().flat_map(|p| &p.panels).collect();
+        assert_eq!(panels.len(), 8, "{report:?}");
+        assert!(panels.iter().all(|p| p.distance_bound.is_some_and(|b| b < 0.2)), "{panels:?}");
+        assert!(report.parts.iter().all(|p| p.matched_estimate < 0.01), "{report:?}");
+    }
 }
 
 /// Results of cones have their panels in a file of their own, named by their kinds.

@@ -1,6 +1,6 @@
-//! Segments of space.
+//! Segments of space and of the plane.
 
-use super::Vec3;
+use super::{Vec2, Vec3};
 
 /// Share of the product of both squared lengths below which the determinant of two directions is rounding: they are
 /// parallel.
@@ -15,6 +15,13 @@ pub(crate) fn segment_distance([a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]) -> f64 {
     let t = if vv > 0.0 { ((uv * s + vw) / vv).clamp(0.0, 1.0) } else { 0.0 };
     let s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
     (w + u * s - v * t).norm()
+}
+
+/// Whether two segments of the plane have the same ends within `near`, in either direction; `Some(true)` where they run against
+/// each other.
+pub(crate) fn same_segment(a: &[Vec2; 2], b: &[Vec2; 2], near: f64) -> Option<bool> {
+    let off = |k: usize| (a[k] - b[0]).norm().max((a[1 - k] - b[1]).norm());
+    [0, 1].into_iter().find(|k| off(*k) <= near).map(|k| k == 1)
 }
 
 #[cfg(test)]

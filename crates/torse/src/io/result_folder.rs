@@ -84,6 +84,8 @@ pub struct ResultPart {
     pub exact: Option<Vec<Bend>>,
     /// Bends of sheet metal.
     pub bends: Vec<TableBend>,
+    /// Lines where these begin and end, mm.
+    pub extents: Vec<[Vec2; 2]>,
     /// The last digit that `bend_table.csv` prints of lengths, mm.
     pub printed: f64,
 }
@@ -242,7 +244,8 @@ fn part(
     }
     agreement::sheet(&table, &bends)?;
     agreement::report(&table, &record.bends, !bends.is_empty())?;
-    Ok(ResultPart { record: record.clone(), contours, lines, exact, bends, printed: LAST_DIGIT * mm })
+    let extents = piece.extents.iter().map(|e| e.map(|p| p * mm)).collect();
+    Ok(ResultPart { record: record.clone(), contours, lines, exact, bends, extents, printed: LAST_DIGIT * mm })
 }
 
 /// The report's numbers for the lines, if they are those of the table up to its digits.

@@ -43,6 +43,7 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
         joints,
         lines: part.lines.iter().enumerate().map(line).collect(),
         bends: part.bends.iter().map(bend).collect(),
+        extents: part.extents.clone(),
         inset,
         thickness: part.record.neutral.as_ref().map_or(0.0, |n| n.thickness.iter().copied().fold(0.0, f64::max)),
         printed: part.printed,
@@ -79,7 +80,7 @@ pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
     match &part.bends[..] {
         [] => course::refold(part),
         // One rolled face without planes beside it is one family of rulings.
-        [one] if one.rolled && !one.allowance.is_finite() => course::refold(part),
+        [one] if one.rolled && !one.allowance.is_finite() && part.extents.is_empty() => course::refold(part),
         _ => sheet::refold(part),
     }
 }
@@ -161,7 +162,7 @@ pub(crate) fn atlases(
     };
     let chain = |own: &[Face]| developed(own.iter().map(of_face).collect());
     let unfolded = |own: &[Face], k: &KFactor, thickness: Vec<f64>| {
-        Atlas::unfolded(own, k, thickness).and_then(|a| a.aligned(flat))
+        Atlas::unfolded(own, k, thickness, folder.report.tolerance).and_then(|a| a.aligned(flat))
     };
     let found = match panels {
         Panels::Strips(all) => {

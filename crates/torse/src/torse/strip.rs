@@ -32,18 +32,27 @@ const PARALLEL: f64 = 1e-10;
 
 impl Strip {
     /// The strip between two rails given as homogeneous curves (weight last). Degrees and knots are made equal, both
-    /// domains become [0, 1]; points with the same relative parameter are joined by a ruling.
+    /// domains become [0, 1]; points with the same relative parameter are joined by a ruling. A rail that is a point has the
+    /// weights of the other one: that is the same strip, but places follow each other evenly along its rulings.
     ///
     /// # Errors
     /// Curves whose degrees or knots cannot be made equal, control points that are not finite.
     pub fn between(name: &str, kind: PanelKind, a: &Curve<4>, b: &Curve<4>) -> Result<Self, SplineError> {
+        let place = |h: &[f64; 4]| Vec3::new(h[0], h[1], h[2]) / h[3];
+        let apex = |c: &Curve<4>| {
+            let first = place(c.control.first()?);
+            c.control.iter().all(|h| place(h) == first).then_some(first)
+        };
+        let apexes = [a, b].map(apex);
         let (a, b) = matched(a, b)?;
         let mut points = Vec::with_capacity(2 * a.control.len());
         let mut weights = Vec::with_capacity(2 * a.control.len());
         for (p, q) in a.control.iter().zip(&b.control) {
-            for h in [p, q] {
-                points.push(Vec3::new(h[0], h[1], h[2]) / h[3]);
-                weights.push(h[3]);
+            let own = [p, q];
+            for side in 0..2 {
+                points.push(apexes[side].unwrap_or_else(|| place(own[side])));
+                let of = if apexes[side].is_some() { 1 - side } else { side };
+                weights.push(own[of][3]);
             }
         }
         let rational = weights.iter().any(|w| *w != 1.0);

@@ -178,6 +178,8 @@ const MARGIN: f64 = 0.05;
 const STARTS: usize = 2 * (SEEDS.0 + 1);
 /// Share of the size below which places have been found.
 const FOUND: f64 = 1e-13;
+/// Share of the size within which two corners of a panel are beside the tip of a cone.
+const BESIDE_TIP: f64 = 1e-4;
 /// Ratio of the moments of inertia from which on a part has a direction.
 const LONG: f64 = 1.2;
 /// Corners that tell how an outline lies, and points of it at most where there are fewer.
@@ -396,14 +398,15 @@ impl Atlas {
         Self::of(sheets)
     }
 
-    /// Faces of one sheet, with the thickness (mm, 0 for surfaces) of every one below the skin given.
+    /// Faces of one sheet, with the thickness (mm, 0 for surfaces) of every one below the skin given, laid flat to a tolerance (mm)
+    /// as they were: faces without a closed form are laid in strips that depend on it.
     ///
     /// # Errors
     /// Faces that cannot be laid beside each other.
-    pub fn unfolded(faces: &[Face], k: &KFactor, thickness: Vec<f64>) -> Result<Self, AtlasError> {
+    pub fn unfolded(faces: &[Face], k: &KFactor, thickness: Vec<f64>, tolerance: f64) -> Result<Self, AtlasError> {
         let body = Body::joined(faces.iter().collect(), BESIDE);
         let skin: Vec<usize> = (0..faces.len()).collect();
-        let asked = UnfoldOptions { k: k.clone(), tolerance: FOUND.sqrt() * body.size, thickness, joins: Joins::All };
+        let asked = UnfoldOptions { k: k.clone(), tolerance, thickness, joins: Joins::All };
         let (pieces, left) = unfold(&body, &skin, &asked);
         if let Some(f) = left.first().map(|k| &faces[*k]) {
             return Err(AtlasError::Panel { name: f.name.clone(), reason: "it has no closed chart".into() });
@@ -606,10 +609,13 @@ impl Atlas {
     /// Brings corners onto those of the outline, which are their exact images.
     fn snap(&mut self, part: &FlatPart, near: f64) {
         let mut pairs: Vec<(Vec2, Vec2)> = Vec::new();
+        let short = BESIDE_TIP * self.size();
         for s in &self.sheets {
-            for uv in &s.panel.corners {
-                let own = s.own_flat(*uv);
-                let own = if self.mirrored { Vec2::new(-own.x, own.y) } else { own };
+            let corners: Vec<Vec2> = s.panel.corners.iter().map(|uv| s.own_flat(*uv)).collect();
+            // Panels end a hair before their tips, where the drawing has one corner.
+            let beside = |p: &Vec2| corners.iter().filter(|q| (*q - p).norm() <= short).count() > 1;
+            for own in corners.iter().filter(|p| !beside(p)) {
+                let own = if self.mirrored { Vec2::new(-own.x, own.y) } else { *own };
                 let at = self.motion.apply(&own);
                 let nearest = part.joints.iter().flatten().min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()));
                 if let Some(j) = nearest.filter(|j| (*j - at).norm() <= 4.0 * near) {

@@ -32,10 +32,21 @@ const BEYOND: f64 = 24.0;
 /// Outlines that cross themselves; lines that cross inside the part or do not run through it.
 pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
     part.check()?;
-    let mut lines = whole_lines(part);
+    let lines = whole_lines(part);
     if lines.is_empty() {
         return Ok(plane(part));
     }
+    let method = if lines.iter().all(|l| l.fold) { "folds" } else { "turns and radii of the bend lines" };
+    let (ribbon, disagreement) = rulings(part, lines)?;
+    let leaf = Leaf { ribbon, loops: part.loops.clone() };
+    Ok(Refolded { leaves: vec![leaf], disagreement, method })
+}
+
+/// Rulings laid close over a part with at least one line, and the largest turn (rad) by which the table differs from its radii.
+///
+/// # Errors
+/// Lines that cross inside the part or do not run through it.
+pub(super) fn rulings(part: &FlatPart, mut lines: Vec<Whole>) -> Result<(Ribbon, f64), RefoldError> {
     order(&mut lines);
     check(part, &lines)?;
     let single = lines.len() == 1;
@@ -51,10 +62,8 @@ pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
     }
     let family = Family::through(part, &lines);
     let ribbon = family.ribbon(part, &lines, added);
-    let leaf = Leaf { ribbon, loops: part.loops.clone() };
     let disagreement = family.stretches.iter().map(|s| s.disagreement()).fold(0.0, f64::max);
-    let method = if lines.iter().all(|l| l.fold) { "folds" } else { "turns and radii of the bend lines" };
-    Ok(Refolded { leaves: vec![leaf], disagreement, method })
+    Ok((ribbon, disagreement))
 }
 
 /// A part that is not bent.
@@ -134,7 +143,6 @@ impl Family {
         let mut space = flat;
         for w in places.windows(2) {
             let (a, b) = (w[0].0, w[1].0);
-            let next = self.ruling(b).0;
             let at = |l: usize| (l as f64) >= a && (l as f64) < b;
             let fold: f64 = lines
                 .iter()
@@ -143,9 +151,19 @@ impl Family {
                 .map(|(_, w)| w.turned[1] - w.turned[0])
                 .sum();
             space = space.moved(&Rates { turn: fold, ..Rates::default() }, 1.0);
+            // About the point in which the rulings of a cone meet, they stay straight through it.
+            let centre = self.centre(0.5 * (a + b));
+            let way = |pose: &Pose| pose.ruling().xy().dot(&(centre - pose.at.xy()));
+            let start = way(&flat);
+            let slid = |pose: &Pose, by: f64| Pose { at: pose.point(by, 0.0), ..*pose };
+            (flat, space) = (slid(&flat, start), slid(&space, start));
+            let next = self.ruling(b).0;
+            let next = slid(&next, way(&next));
             let in_space = self.motion([a, b], [&flat, &next]);
             let in_plane = Rates { turn: 0.0, ..in_space };
-            spans.push(Span { flat, space, in_plane, in_space, reach: w[0].1 });
+            // Ways are from the foot of the origin until here.
+            let foot = flat.ruling().xy().dot(&(self.origin - flat.at.xy()));
+            spans.push(Span { flat, space, in_plane, in_space, reach: w[0].1.map(|v| v + foot) });
             space = space.moved(&in_space, 1.0);
             flat = next;
         }

@@ -43,6 +43,8 @@ pub struct FlatPart {
     pub lines: Vec<BendLine>,
     /// Bends of sheet metal; empty for parts without a thickness.
     pub bends: Vec<SheetRow>,
+    /// Lines where bends begin and end, mm.
+    pub extents: Vec<[Vec2; 2]>,
     /// By how much bend lines were shortened at both ends, mm.
     pub inset: f64,
     /// Thickness (mm) of a body of sheet, of which the neutral fibre is drawn; 0 for surfaces and where nothing is said.

@@ -17,6 +17,8 @@ const LESS: [f64; 4] = [1.0, 0.7, 0.4, 0.2];
 const LEAST_SPEED: f64 = 0.15;
 /// Share of the part's size within which a corner of the outline is the point where rulings meet.
 const TIP: f64 = 1e-4;
+/// Sizes of the part within which rulings are laid about the point in which they meet.
+const FAR: f64 = 4.0;
 /// Share of the part's size below which a ruling only touches the part.
 const TOUCHES: f64 = 1e-6;
 
@@ -32,6 +34,8 @@ pub(super) struct Family {
     pub reach: [[f64; 2]; 2],
     /// A point from which rulings are told: the tip of a cone, else the middle of the part.
     pub origin: Vec2,
+    /// See [`Self::centre`].
+    centres: Vec<Vec2>,
     /// Where the rulings beside the first and last line meet in a corner of the outline, if they do: the tip of a cone or fan.
     tips: [Option<Vec2>; 2],
 }
@@ -53,8 +57,24 @@ impl Family {
             Between::new(&a, &b, w[1].turned[0] - w[0].turned[1], origin)
         };
         let stretches = lines.windows(2).map(between).collect();
-        let mut out =
-            Self { stretches, beyond: [0.0; 2], tail: [[0.0; 3]; 2], reach: [[0.0; 2]; 2], origin, tips: [None; 2] };
+        let centre = |w: &[Whole]| {
+            let meet = w[0].at + w[0].way * ((w[1].at - w[0].at).perp(&w[1].way) / w[0].way.perp(&w[1].way));
+            let near = (meet - origin).norm() <= FAR * part.size();
+            if near {
+                meet
+            } else {
+                origin
+            }
+        };
+        let mut out = Self {
+            stretches,
+            beyond: [0.0; 2],
+            tail: [[0.0; 3]; 2],
+            reach: [[0.0; 2]; 2],
+            origin,
+            centres: lines.windows(2).map(centre).collect(),
+            tips: [None; 2],
+        };
         let foot = |l: &Whole| l.way.dot(&(l.at - origin));
         let reach = |l: &Whole| l.reach.map(|v| v + foot(l));
         if let (Some(first), Some(last)) = (lines.first(), lines.last()) {
@@ -142,6 +162,11 @@ impl Family {
             None => 0.0,
         };
         reach.is_none_or(|r| r.iter().all(|v| across + v * spin > -slack))
+    }
+
+    /// Where the lines at both ends of the stretch of a place meet, if that is near the part; else the middle of the part.
+    pub fn centre(&self, t: f64) -> Vec2 {
+        self.centres[(t.max(0.0) as usize).min(self.stretches.len() - 1)]
     }
 
     /// Place of the last line, or of the end of the only stretch.

@@ -13,16 +13,18 @@ pub mod leaf;
 mod lines;
 pub(crate) mod mesh;
 mod ribbon;
+mod rolled;
 pub(crate) mod sheet;
+mod zone;
 
 /// Why a part cannot be bent back. Messages say what of the part is concerned; the caller names the part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RefoldError {
-    /// Rulings that meet in a corner between other bends.
+    /// A rolled face that is told apart from no other.
     #[error(
-        "the bend lines from {line} on meet in a point of its outline, beside other bends: such fans are not bent back"
+        "where its rolled face of bend lines {line} and on begins and ends is not drawn (BEND_EXTENT); lay the part flat anew"
     )]
-    Fan {
+    Ends {
         /// Number of the first line, from 1.
         line: usize,
     },

@@ -1,55 +1,84 @@
 //! Sheet metal bent back: plane regions and the bends between them.
 //!
-//! *Method*. A bend takes up its allowance to both sides of its centre line; a rolled face takes up what lies half way to
-//! the neighbouring lines. The part is cut along both edges of every zone, and the regions are put into space one after the
+//! *Method*. A bend takes up its allowance to both sides of its centre line; a rolled face without one radius lies between the
+//! lines where it begins and ends. The part is cut along both edges of every zone, and the regions are put into space one after the
 //! other, from the largest plane one. What is bent is the skin that is drawn: in a bend towards the eye it has the inside
 //! radius, in one away from the eye that and the thickness, while the drawing has the length of the neutral fibre. Where the
 //! outside of a sharp bend is drawn, the skin is longer than the drawing: both regions go on beyond the line to their edge.
 
 use super::course::plane_ribbon;
 use super::cut::{cut, Region};
-use super::drawn::{area, crossings, distance, inside, FlatPart, SheetRow};
+use super::drawn::{area, crossings, inside, FlatPart};
 use super::leaf::{Leaf, Refolded};
+use super::rolled::{is_rolled, rolled, Chord};
+use super::zone::{round, thickness, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;
+use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::BendSense;
 use crate::torse::ribbon::pose::{Pose, Rates};
 use crate::torse::ribbon::{Ribbon, Span};
 use std::collections::VecDeque;
 
-/// Share of the size within which lines are one.
-const ON_ONE_LINE: f64 = 1e-6;
-/// Share of the size within which lines of a fan meet on the outline.
-const BESIDE_APEX: f64 = 1e-3;
-/// Share of the shorter one by which a stretch of an edge and the centre line are beside each other.
-const BESIDE: f64 = 0.5;
 /// Regions below this share of the part's area, or as slim as two last digits of the table, are the seams between neighbouring
 /// zones.
 const SEAM: f64 = 1e-6;
 
-/// A bent zone: strips between lines that do not cross in it, each turning alike; one for a bend, several for a rolled face.
-#[derive(Clone, Debug)]
-struct Zone {
-    /// Its lines: a point and a unit direction; the zone lies to the left of the first and between that and the last.
-    edges: Vec<(Vec2, Vec2)>,
-    /// Places on the centre lines; none of a zone without breadth.
-    inner: Vec<Vec2>,
-    /// Turn of every strip towards the eye, rad.
-    turn: f64,
-    /// Length of the skin over that of the drawing, across.
-    stretch: f64,
-    /// Way (mm) by which the regions beside a line go on beyond it, to their common edge.
-    beyond: f64,
-}
+/// An end of a zone: its number, and whether it is the last edge.
+type End = (usize, bool);
 
-/// A chord: a piece of a zone's edge.
+/// A chord between regions.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
-    zone: usize,
-    /// First or last edge of the zone; `None`: both, of a zone without breadth.
-    last: Option<bool>,
-    /// The chord.
     ends: [Vec2; 2],
+    /// The zones that begin or end there, to the right and to the left; planes otherwise.
+    beside: [Option<End>; 2],
+    /// The fold along it, and whether that is directed the other way.
+    fold: Option<(usize, bool)>,
+}
+
+impl Edge {
+    /// The first or last edge of a zone, which lies to the left of that or to its right.
+    fn of(ends: Chord, end: End) -> Self {
+        let mut beside = [None; 2];
+        beside[usize::from(!end.1)] = Some(end);
+        Self { ends, beside, fold: None }
+    }
+
+    /// The end of the zone on one of its sides.
+    fn side(&self, left: bool) -> Option<End> {
+        self.beside[usize::from(left)]
+    }
+}
+
+/// The chords of a part.
+struct Edges {
+    all: Vec<Edge>,
+    /// Ends so near to each other (mm) are one.
+    near: f64,
+}
+
+impl Edges {
+    /// The edge of a chord, and whether it runs the other way.
+    fn of(&mut self, chord: Chord) -> (&mut Edge, bool) {
+        let same = |(k, e): (usize, &Edge)| Some((k, same_segment(&e.ends, &chord, self.near)?));
+        let (known, back) = self.all.iter().enumerate().find_map(same).unwrap_or_else(|| {
+            self.all.push(Edge { ends: chord, beside: [None; 2], fold: None });
+            (self.all.len() - 1, false)
+        });
+        (&mut self.all[known], back)
+    }
+
+    /// A fold.
+    fn folds(&mut self, chord: Chord, zone: usize) {
+        let (edge, back) = self.of(chord);
+        edge.fold = Some((zone, back));
+    }
+
+    /// As [`Edge::of`], where another zone may end or a fold may lie on the same line.
+    fn bounds(&mut self, chord: Chord, end: End) {
+        let (edge, back) = self.of(chord);
+        edge.beside[usize::from(end.1 == back)] = Some(end);
+    }
 }
 
 /// Bends a part of sheet metal back.
@@ -58,145 +87,36 @@ struct Edge {
 /// Outlines that cross themselves, bend lines outside the part, regions that no bend joins to the rest.
 pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
     part.check_slits()?;
-    let (mut zones, mut edges, mut chords) = (Vec::new(), Vec::new(), Vec::new());
+    let mut zones: Vec<Zone> = Vec::new();
+    let mut edges = Edges { all: Vec::new(), near: ON_ONE_LINE * part.size() };
+    let mut disagreement = 0.0_f64;
     let thickness = if part.thickness > 0.0 { part.thickness } else { thickness(&part.bends) };
-    for row in &part.bends {
-        let Some((mut zone, lines)) = zone_of(part, row, thickness)? else { continue };
-        let last = zone.edges.len() - 1;
-        if !row.allowance.is_finite() && part.bends.len() > 1 && is_fan(part, &zone) {
-            return Err(RefoldError::Fan { line: row.lines.start + 1 });
+    for row in part.bends.iter().filter(|r| is_rolled(r)) {
+        let Some(found) = rolled(part, row)? else { continue };
+        disagreement = disagreement.max(found.disagreement);
+        for (last, chords) in [false, true].into_iter().zip(found.chords) {
+            chords.into_iter().for_each(|c| edges.bounds(c, (zones.len(), last)));
         }
-        let sharp = last == 1 && (zone.edges[1].0 - zone.edges[0].0).norm() <= ON_ONE_LINE * part.size();
-        let both = [(0, (!sharp).then_some(false), 0), (last, Some(true), lines.len() - 1)];
-        for (k, last, beside) in &both[..if sharp { 1 } else { 2 }] {
-            for chord in stretches(part, &zone.edges[*k], (&lines[*beside], sharp)) {
-                edges.push(Edge { zone: zones.len(), last: *last, ends: chord });
-                chords.push(chord);
+        zones.push(found.zone);
+    }
+    for row in part.bends.iter().filter(|r| !is_rolled(r)) {
+        let Some((zone, [first, last])) = round(part, row, thickness)? else { continue };
+        let number = zones.len();
+        if zone.inner.is_empty() {
+            for c in first {
+                edges.folds(c, number);
             }
-        }
-        if !sharp {
-            zone.inner = lines.iter().flatten().map(|l| (l[0] + l[1]) * 0.5).collect();
+        } else {
+            // Edges of neighbours are as far apart as the table is printed.
+            first.into_iter().for_each(|c| edges.all.push(Edge::of(c, (number, false))));
+            last.into_iter().for_each(|c| edges.all.push(Edge::of(c, (number, true))));
         }
         zones.push(zone);
     }
+    let chords: Vec<Chord> = edges.all.iter().map(|e| e.ends).collect();
     let regions = cut(&part.loops, &chords);
-    let leaves = placed((&zones, &edges, &regions), part.printed)?;
-    Ok(Refolded { leaves, disagreement: 0.0, method: "bends of sheet metal" })
-}
-
-/// Thickness of the sheet (mm) by the allowances of its bends; 0 where the neutral fibre is the skin itself.
-pub fn thickness(bends: &[SheetRow]) -> f64 {
-    let of = |b: &SheetRow| match b.allowance < 0.0 {
-        true => b.allowance / (b.k * b.angle - 2.0 * (0.5 * b.angle).tan()),
-        false => (b.allowance / b.angle - b.inside_radius) / b.k,
-    };
-    // The largest allowance has the smallest relative rounding.
-    let known = bends.iter().filter(|b| b.k > 0.0 && b.angle > 0.0 && of(b).is_finite());
-    known.max_by(|a, b| (a.angle * a.k).total_cmp(&(b.angle * b.k))).map_or(0.0, |b| of(b).max(0.0))
-}
-
-/// A zone with its centre lines, in parts where holes lie between.
-type Lined = (Zone, Vec<Vec<[Vec2; 2]>>);
-
-/// The zone of a bend with its centre lines.
-fn zone_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Option<Lined>, RefoldError> {
-    let mut lines: Vec<Vec<[Vec2; 2]>> = Vec::new();
-    for k in row.lines.clone() {
-        let l = part.lines.get(k).ok_or_else(|| {
-            RefoldError::Table(format!("bend_table.csv names more lines than bends.csv has; line {} is missing", k + 1))
-        })?;
-        let [a, b] = l.ends;
-        if !inside(&part.loops, &((a + b) * 0.5)) {
-            return Err(RefoldError::Outside { line: k + 1 });
-        }
-        let on = |m: &Vec<[Vec2; 2]>| {
-            let way = (m[0][1] - m[0][0]).normalize();
-            [a, b].iter().all(|p| way.perp(&(p - m[0][0])).abs() <= ON_ONE_LINE * part.size())
-        };
-        match lines.iter_mut().find(|m| on(m)) {
-            Some(m) => m.push(l.ends),
-            None => lines.push(vec![l.ends]),
-        }
-    }
-    let n = lines.len();
-    let sign = if row.sense == BendSense::Down { -1.0 } else { 1.0 };
-    let turn = sign * row.angle / n.max(1) as f64;
-    let directed = |l: &[Vec2; 2], like: Vec2| {
-        let way = (l[1] - l[0]).normalize();
-        (l[0], if way.dot(&like) < 0.0 { -way } else { way })
-    };
-    let Some(first) = lines.first().map(|l| l[0][1] - l[0][0]) else { return Ok(None) };
-    let mut all: Vec<(Vec2, Vec2)> = lines.iter().map(|l| directed(&l[0], first)).collect();
-    // Neighbours follow each other to the left.
-    if n > 1 && all[0].1.perp(&(all[1].0 - all[0].0)) < 0.0 {
-        all.iter_mut().for_each(|l| l.1 = -l.1);
-    }
-    let breadth = if row.allowance.is_finite() { row.allowance.max(0.0) / n as f64 } else { 0.0 };
-    let beyond = 0.5 * (-row.allowance).max(0.0);
-    let skin = row.inside_radius + if sign < 0.0 { thickness } else { 0.0 };
-    // Edges of the outline may lie on the edges of a zone, which are only known as far as the table is printed.
-    let hair = part.printed.min(0.25 * breadth);
-    let stretch = if breadth > 0.0 && skin.is_finite() && thickness > 0.0 {
-        let narrow = row.allowance - 2.0 * hair;
-        (skin * row.angle - 2.0 * hair).max(0.0) / narrow
-    } else {
-        1.0
-    };
-    let beside = |(at, way): (Vec2, Vec2), by: f64| (at + Vec2::new(-way.y, way.x) * by, way);
-    let half = 0.5 * breadth - hair;
-    let edges: Vec<(Vec2, Vec2)> = if n == 1 || row.allowance.is_finite() {
-        let inner = (1..n).map(|k| beside(all[k], -0.5 * breadth));
-        std::iter::once(beside(all[0], -half)).chain(inner).chain([beside(all[n - 1], half)]).collect()
-    } else {
-        // Half way between lines; beyond the outermost ones as far as before them.
-        let inner: Vec<(Vec2, Vec2)> = all.windows(2).map(|w| between(&w[0], &w[1])).collect();
-        let outer = [mirrored(&all[0], &inner[0]), mirrored(&all[n - 1], &inner[n - 2])];
-        std::iter::once(outer[0]).chain(inner).chain([outer[1]]).collect()
-    };
-    Ok(Some((Zone { edges, inner: Vec::new(), turn, stretch, beyond }, lines)))
-}
-
-/// Whether the first and last line of a zone meet on the outline.
-fn is_fan(part: &FlatPart, zone: &Zone) -> bool {
-    let ((p, e), (q, f)) = (zone.edges[0], zone.edges[zone.edges.len() - 1]);
-    let meet = p + e * ((q - p).perp(&f) / e.perp(&f));
-    meet.iter().all(|x| x.is_finite()) && distance(&part.loops, &meet) <= BESIDE_APEX * part.size()
-}
-
-/// The line half way between two lines of one direction.
-fn between(a: &(Vec2, Vec2), b: &(Vec2, Vec2)) -> (Vec2, Vec2) {
-    let way = (a.1 + b.1).normalize();
-    // Through the meeting point of both, or half way where they are parallel: the mean of their equations.
-    let (n, m) = (Vec2::new(-a.1.y, a.1.x), Vec2::new(-b.1.y, b.1.x));
-    let sum = n + m;
-    let p = n.dot(&a.0) + m.dot(&b.0);
-    // The point of it nearest to the first line's own.
-    let at = a.0 + sum * ((p - sum.dot(&a.0)) / sum.norm_squared());
-    (at, way)
-}
-
-/// A line mirrored on another one.
-fn mirrored(on: &(Vec2, Vec2), line: &(Vec2, Vec2)) -> (Vec2, Vec2) {
-    let flip = |v: Vec2| on.1 * (2.0 * on.1.dot(&v)) - v;
-    (on.0 + flip(line.0 - on.0), flip(line.1))
-}
-
-/// The stretches of a zone's edge inside the part that lie beside its centre lines; of a sharp one these themselves.
-fn stretches(part: &FlatPart, (at, way): &(Vec2, Vec2), (lines, sharp): (&[[Vec2; 2]], bool)) -> Vec<[Vec2; 2]> {
-    // Sides of neighbouring regions may go on along a fold, so that crossings do not tell where it ends.
-    let near = ON_ONE_LINE * part.size() + part.printed;
-    if sharp && lines.iter().flatten().all(|p| distance(&part.loops, p) <= near) {
-        return lines.iter().map(|l| if way.dot(&(l[1] - l[0])) < 0.0 { [l[1], l[0]] } else { *l }).collect();
-    }
-    let cuts = crossings(&part.loops, at, way);
-    let beside = |a: f64, b: f64| {
-        lines.iter().any(|l| {
-            let [p, q] = l.map(|x| way.dot(&(x - at)));
-            // A corner beside the bend may open a stretch that only begins there.
-            b.min(p.max(q)) - a.max(p.min(q)) > BESIDE * (b - a).min((q - p).abs())
-        })
-    };
-    cuts.chunks_exact(2).filter(|c| beside(c[0], c[1])).map(|c| [at + way * c[0], at + way * c[1]]).collect()
+    let leaves = placed((&zones, &edges.all, &regions), part.printed)?;
+    Ok(Refolded { leaves, disagreement, method: "bends of sheet metal" })
 }
 
 /// What is known of a region.
@@ -210,7 +130,7 @@ enum Put {
 /// Regions in space, from the largest plane one on.
 fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) -> Result<Vec<Leaf>, RefoldError> {
     let zone_of = |r: &Region| {
-        let by_chord = |(c, left): &(usize, bool)| edges[*c].last.filter(|last| last != left).map(|_| edges[*c].zone);
+        let by_chord = |(c, left): &(usize, bool)| edges[*c].side(*left).map(|end| end.0);
         // A part that is bent from end to end has no chord at all.
         let holds = |z: &Zone| z.inner.iter().any(|q| inside(&r.loops, q));
         r.chords.iter().find_map(by_chord).or_else(|| zones.iter().position(holds))
@@ -237,19 +157,18 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
             if put[beyond].is_some() {
                 continue;
             }
-            let e = edges[*c];
-            let z = &zones[e.zone];
-            put[beyond] = Some(match (&here, e.last) {
-                (Put::Plane(frame), None) => {
-                    // A fold: to the left the sheet is turned by the whole angle, to the right it comes before that.
-                    let turn = if *left { -z.turn } else { z.turn };
-                    let line = |side: bool| Pose::flat(z.edges[0].0 + z.reach(side), z.edges[0].1);
-                    let edge = on(frame, &line(*left)).moved(&Rates { turn, ..Rates::default() }, 1.0);
-                    Put::Plane(frame_of(&edge, &line(!left)))
-                }
-                (Put::Plane(frame), Some(last)) => bent(z, *frame, last),
-                (Put::Bent(_, ends), Some(last)) => Put::Plane(ends[usize::from(last)]),
+            let edge = edges[*c];
+            let mut frame = match (&here, edge.side(*left)) {
+                (Put::Plane(frame), _) => *frame,
+                (Put::Bent(_, ends), Some((_, last))) => ends[usize::from(last)],
                 (Put::Bent(..), None) => continue,
+            };
+            if let Some((z, back)) = edge.fold {
+                frame = folded(&zones[z], &frame, *left != back);
+            }
+            put[beyond] = Some(match edge.side(!left) {
+                Some((z, last)) => bent(&zones[z], frame, last),
+                None => Put::Plane(frame),
             });
             open.push_back(beyond);
         }
@@ -286,25 +205,17 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
     Ok(out)
 }
 
-impl Zone {
-    /// Way by which a region beside the first edge, to its left or its right, goes on beyond it.
-    fn reach(&self, left: bool) -> Vec2 {
-        let way = self.edges[0].1;
-        Vec2::new(-way.y, way.x) * if left { -self.beyond } else { self.beyond }
-    }
-}
-
 /// The loops of a plane region, as far as the skin goes beyond its bend lines.
 fn to_edges(zones: &[Zone], edges: &[Edge], region: &Region) -> Vec<Vec<Vec2>> {
     let mut loops = region.loops.clone();
     for (c, left) in &region.chords {
-        let (edge, zone) = (&edges[*c], &zones[edges[*c].zone]);
-        let [a, b] = edge.ends;
+        let Some((zone, back)) = edges[*c].fold else { continue };
+        let (zone, [a, b]) = (&zones[zone], edges[*c].ends);
         let (way, length) = ((b - a).normalize(), (b - a).norm());
         let near = ON_ONE_LINE * length;
         let on = |p: &Vec2| way.perp(&(p - a)).abs() <= near && (-near..=length + near).contains(&way.dot(&(p - a)));
         if zone.beyond > 0.0 {
-            loops.iter_mut().flatten().filter(|p| on(p)).for_each(|p| *p += zone.reach(*left));
+            loops.iter_mut().flatten().filter(|p| on(p)).for_each(|p| *p += zone.reach(*left != back));
         }
     }
     loops
@@ -339,39 +250,39 @@ fn frame_of(space: &Pose, flat: &Pose) -> Pose {
     Pose { axes, at: space.at - axes * flat.at }
 }
 
-/// A zone beside a plane whose frame is known, entered by its first or last edge.
+/// The frame of the drawing beyond a fold, where it is known on one side: to the left the sheet is turned by the whole angle, to the
+/// right it comes before that.
+fn folded(fold: &Zone, frame: &Pose, left: bool) -> Pose {
+    let turn = if left { -fold.turn } else { fold.turn };
+    let (at, way) = fold.edges[0];
+    let line = |side: bool| Pose::flat(at + fold.reach(side), way);
+    let edge = on(frame, &line(left)).moved(&Rates { turn, ..Rates::default() }, 1.0);
+    frame_of(&edge, &line(!left))
+}
+
+/// A zone where the frame of the drawing is known at its first or last edge.
 fn bent(zone: &Zone, frame: Pose, by_last: bool) -> Put {
-    let mut flat = vec![Pose::flat(zone.edges[0].0, zone.edges[0].1)];
-    for (to, way) in &zone.edges[1..] {
-        // The point across, so that parallel edges need no way along.
-        let at = flat[flat.len() - 1].at.xy();
-        flat.push(Pose::flat(to + way * way.dot(&(at - to)), *way));
-    }
-    let rates: Vec<[Rates; 2]> = (flat.windows(2))
-        .map(|w| {
-            let in_plane = w[0].flat_rates_to(&w[1]);
-            [in_plane, Rates { turn: zone.turn, across: in_plane.across * zone.stretch, ..in_plane }]
-        })
-        .collect();
-    let last = &flat[flat.len() - 1];
+    let strips = &zone.strips;
+    let (Some(first), Some(end)) = (strips.first(), strips.last()) else { return Put::Plane(frame) };
+    let last = end.flat.moved(&end.in_plane, 1.0);
     let start = if by_last {
-        rates.iter().rev().fold(on(&frame, last), |pose, [_, r]| pose.moved(r, -1.0))
+        strips.iter().rev().fold(on(&frame, &last), |pose, s| pose.moved(&s.in_space, -1.0))
     } else {
-        on(&frame, &flat[0])
+        on(&frame, &first.flat)
     };
-    let (mut spans, mut space) = (Vec::with_capacity(rates.len()), start);
-    for (flat, [in_plane, in_space]) in flat.iter().zip(rates) {
-        spans.push(Span { flat: *flat, space, in_plane, in_space, reach: [0.0; 2] });
+    let (mut spans, mut space) = (Vec::with_capacity(strips.len()), start);
+    for Strip { flat, in_plane, in_space } in strips.iter().copied() {
+        spans.push(Span { flat, space, in_plane, in_space, reach: [0.0; 2] });
         space = space.moved(&in_space, 1.0);
     }
-    Put::Bent(Ribbon { spans }, [frame_of(&start, &flat[0]), frame_of(&space, last)])
+    Put::Bent(Ribbon { spans }, [frame_of(&start, &first.flat), frame_of(&space, &last)])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::develop::refold::drawn::BendLine;
-    use crate::patchwork::pattern::Bend;
+    use crate::develop::refold::drawn::{BendLine, SheetRow};
+    use crate::patchwork::pattern::{Bend, BendSense};
 
     /// A plate of 40 and 60 mm outside its sharp bend, 30 wide.
     fn sharp_outside(t: f64, k: f64) -> FlatPart {

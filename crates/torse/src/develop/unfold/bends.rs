@@ -1,11 +1,13 @@
 //! Where a piece is bent: centre lines and extents, angles, radii, allowances, and an order to bend in.
 
 use super::chart::FlatRuling;
+use super::outline::POINT;
 use super::region::Region;
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::brep::carrier::Carrier;
 use crate::develop::bends::{kept_low, BendSpacing, Facets, Lines};
+use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, BendSense};
 
@@ -71,6 +73,8 @@ pub struct SheetBend {
 
 /// Bends turn back onto the sheet from here on, rad.
 const HEM: f64 = 170.0 * std::f64::consts::PI / 180.0;
+/// Inside radii of hems, in thicknesses, at most: wider ones are curls.
+const CURL: f64 = 3.0;
 /// Inside radii above so many thicknesses are rolled or pressed in many steps: no common tool of a press brake is so wide.
 const ROLLED: f64 = 12.0;
 /// A rolled face gets a line at every such turn, rad.
@@ -102,7 +106,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>,
             Some(b) => {
                 b.lines.extend(bend.lines);
                 b.bends.extend(bend.bends);
-                b.extents.extend(bend.extents);
+                between_others(&mut b.extents, bend.extents, ONE_LINE * body.size);
                 b.level = b.level.min(bend.level);
             }
             None => out.push(bend),
@@ -185,6 +189,17 @@ fn reach(lines: &[[Vec2; 2]]) -> f64 {
     along(f64::max, f64::NEG_INFINITY) - along(f64::min, f64::INFINITY)
 }
 
+/// Adds lines where a part of a bend begins and ends to those of the others: what lies between both parts is none.
+fn between_others(all: &mut Vec<[Vec2; 2]>, own: Vec<[Vec2; 2]>, near: f64) {
+    for l in own {
+        let same = |k: &[Vec2; 2]| same_segment(k, &l, near).is_some();
+        match all.iter().position(same) {
+            Some(k) => drop(all.swap_remove(k)),
+            None => all.push(l),
+        }
+    }
+}
+
 /// Whether two bends are parts of one: equal turns about one line.
 fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
     let near = |p: f64, q: f64| (p - q).abs() <= ONE_LENGTH;
@@ -211,7 +226,7 @@ fn of_face(
     let between = body.of_face(placed.face).filter(|h| piece.inner.contains(h) && is_plane(body, *h)).count();
     let narrow = if thickness > 0.0 { placed.inside_radius <= ROLLED * thickness } else { between > 1 };
     let kind = match cylinder && narrow && between > 0 {
-        true if turn >= HEM => BendKind::Hem,
+        true if turn >= HEM && placed.inside_radius <= CURL * thickness => BendKind::Hem,
         true => BendKind::Bend,
         false => BendKind::Rolled,
     };
@@ -230,7 +245,9 @@ fn of_face(
         b.radii.map(|r| (r - inwards).max(0.0))
     });
     let least_inside_radius = if cylinder { inside_radius } else { least.fold(f64::INFINITY, f64::min) };
-    let extents = body.of_face(placed.face).filter(|h| piece.inner.contains(h));
+    // Ends of faces in a point are no lines.
+    let is_line = |h: &usize| piece.inner.contains(h) && body.halves[*h].length > POINT * body.size;
+    let extents = body.of_face(placed.face).filter(is_line);
     let extents = extents.flat_map(|h| chords(&|s| piece.place(body, h, s), near)).collect();
     let allowance = if cylinder { turn * placed.chart.neutral_radius() } else { f64::NAN };
     let length = region.max.y - region.min.y;
@@ -299,6 +316,18 @@ fn is_plane(body: &Body, half: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_between_parts_of_a_bend_are_none() {
+        let line = |x: f64, y: f64| [Vec2::new(x, y), Vec2::new(x + 10.0, y)];
+        let turned = |[a, b]: [Vec2; 2]| [b, a];
+        // Two parts side by side: each ends above and below, and where the other one begins.
+        let across = |x: f64| [Vec2::new(x, 0.0), Vec2::new(x, 5.0)];
+        let mut all = vec![line(0.0, 0.0), across(10.0), line(0.0, 5.0)];
+        between_others(&mut all, vec![line(10.0, 0.0), turned(across(10.0)), line(10.0, 5.0)], 1e-6);
+        all.sort_by(|a, b| (a[0].y, a[0].x).partial_cmp(&(b[0].y, b[0].x)).expect("numbers"));
+        assert_eq!(all, [line(0.0, 0.0), line(10.0, 0.0), line(0.0, 5.0), line(10.0, 5.0)]);
+    }
 
     #[test]
     fn bends_about_one_line_are_one_only_if_they_are_alike() {

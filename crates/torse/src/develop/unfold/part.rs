@@ -10,6 +10,7 @@ use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
 use crate::develop::arcs::rectangle_around;
 use crate::develop::bends::Facets;
+use crate::geom::segment::same_segment;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Pattern, ViewSide};
 use crate::reason::Unlaid;
@@ -231,7 +232,12 @@ fn part(
         (pattern.width, pattern.length) = (r.width, r.length);
     }
     pattern.formed = marks.into_iter().map(|o| o.contour).collect();
-    pattern.extents = bends.iter().flat_map(|b| b.extents.iter().copied()).collect();
+    // Where one bend ends and the next begins is one line.
+    for l in bends.iter().flat_map(|b| &b.extents) {
+        if !pattern.extents.iter().any(|k| same_segment(k, l, POINT * body.size).is_some()) {
+            pattern.extents.push(*l);
+        }
+    }
     for b in &bends {
         pattern.rulings.extend(&b.lines);
         pattern.bends.extend(&b.bends);

@@ -3,6 +3,7 @@
 
 use super::allowance::KFactor;
 use super::chart::Chart;
+use super::outline::POINT;
 use super::region::{Motion, Region};
 use crate::brep::body::{Body, Meeting, SMOOTH};
 use crate::brep::carrier::Carrier;
@@ -344,15 +345,28 @@ fn fold_allowance(body: &Body, half: usize, options: &UnfoldOptions) -> (f64, f6
 fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&Chart, f64)) -> Option<Motion> {
     let (near, far) = (&body.halves[h], &body.halves[twin]);
     let here = |s: f64| piece.place(body, h, s);
-    let there = |x: &crate::geom::Vec3| {
+    let nearest = |x: &crate::geom::Vec3| {
         let s = far.run.nearest(body.faces[far.face], x).0;
-        let (y, uv) = far.run.at(body.faces[far.face], s);
+        far.run.at(body.faces[far.face], s)
+    };
+    let there = |x: &crate::geom::Vec3| {
+        let (y, uv) = nearest(x);
         chart.flat(&y, Some(uv))
     };
     let point = |s: f64| near.run.at(body.faces[near.face], s).0;
     let closed = (point(0.0) - point(1.0)).norm() <= CONGRUENT * near.length;
     let last = if closed { 0.5 } else { 1.0 };
-    let mut to = [here(0.0), here(last)];
+    // Of an edge that begins before the other one, as where a face ends beside its apex, what lies on both.
+    let common = [0.0, last].map(|s| {
+        let (x, y) = (point(s), nearest(&point(s)).0);
+        let short = (y - x).norm() > POINT * body.size;
+        if short {
+            near.run.nearest(body.faces[near.face], &y).0
+        } else {
+            s
+        }
+    });
+    let mut to = common.map(here);
     let mut gap = Vec2::zeros();
     if apart != 0.0 {
         // Material is on the left of the run: the neighbour moves to the right.
@@ -360,9 +374,9 @@ fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&C
         gap = Vec2::new(way.y, -way.x) * apart;
         to = to.map(|p| p + gap);
     }
-    let motion = Motion::between([there(&point(0.0)), there(&point(last))], to)?;
+    let motion = Motion::between(common.map(|s| there(&point(s))), to)?;
     let fits = (0..PLACES).all(|k| {
-        let s = k as f64 / (PLACES - 1) as f64;
+        let s = common[0] + (common[1] - common[0]) * k as f64 / (PLACES - 1) as f64;
         (motion.apply(&there(&point(s))) - here(s) - gap).norm() <= CONGRUENT * near.length.max(CONGRUENT * body.size)
     });
     fits.then_some(motion)

@@ -18,8 +18,7 @@ pub(super) fn panel_of(s: &WrittenStrip) -> Result<PanelPatch, String> {
     match &s.surface {
         WrittenBase::Spline(w) => {
             let points: Vec<Vec3> = w.points.iter().map(|p| Vec3::from(*p)).collect();
-            let weights = even(&points, w.weights.clone());
-            let weights = (!weights.is_empty()).then_some(&weights[..]);
+            let weights = (!w.weights.is_empty()).then_some(&w.weights[..]);
             let [u, v] = w.knots.clone();
             let surface = Surface::new(u, v, &points, weights).map_err(|e| named(e.to_string()))?;
             let ((a, b), (c, d)) = surface.domain();
@@ -42,23 +41,6 @@ pub(super) fn panel_of(s: &WrittenStrip) -> Result<PanelPatch, String> {
         }
         WrittenBase::Cylinder { .. } | WrittenBase::Cone { .. } => Err(named("it is no strip".into())),
     }
-}
-
-/// The weights of a strip between two rails, of which one may be a point: it has those of the other rail then. That is the same
-/// strip, but places follow each other evenly along its rulings.
-fn even(points: &[Vec3], mut weights: Vec<f64>) -> Vec<f64> {
-    if weights.len() != points.len() {
-        return weights;
-    }
-    for side in 0..2 {
-        let is_point = points.iter().skip(side).step_by(2).all(|p| *p == points[side]);
-        if is_point {
-            for pair in weights.chunks_exact_mut(2) {
-                pair[side] = pair[1 - side];
-            }
-        }
-    }
-    weights
 }
 
 /// Points on a rail from knot to knot.
