@@ -321,7 +321,9 @@ fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Ve
         return vec![(0..n, best)];
     }
     let mut out: Vec<(Range<usize>, usize)> = Vec::new();
-    for (k, s) in ribbon.spans.iter().enumerate() {
+    // Where frames only slide along a ruling there is no sheet.
+    let wide = |s: &Span| s.in_plane.across != 0.0 || s.in_plane.spin != 0.0;
+    for (k, s) in ribbon.spans.iter().enumerate().filter(|(_, s)| wide(s)) {
         let middle = s.flat.moved(&s.in_plane, 0.5).point(0.5 * (s.reach[0] + s.reach[1]), 0.0).xy();
         let sheet = of(&middle).or(out.last().map(|o| o.1)).unwrap_or(0);
         match out.last_mut() {

@@ -23,6 +23,8 @@ const BETWEEN: (f64, f64) = (8.0, 400.0);
 const BESIDE: f64 = 0.01;
 /// Rulings over the size of a part beyond such lines.
 const PARALLELS: f64 = 512.0;
+/// Share of the part's size within which points from which ways are counted are one.
+const ONE_POINT: f64 = 1e-9;
 /// Intervals by which the family may go on beyond the first and last line.
 const BEYOND: f64 = 24.0;
 
@@ -104,7 +106,7 @@ impl Family {
         }
         places.push((last, self.reach[1]));
         places.extend(self.beyond(part, last, steps[1], (most(counts.len() - 1, added[1]), self.reach[1])));
-        self.laid(lines, &places)
+        self.laid(part, lines, &places)
     }
 
     /// Rulings to be laid from a line to the next.
@@ -137,7 +139,7 @@ impl Family {
     }
 
     /// The ribbon over given places, with the folds of lines.
-    fn laid(&self, lines: &[Whole], places: &[(f64, [f64; 2])]) -> Ribbon {
+    fn laid(&self, part: &FlatPart, lines: &[Whole], places: &[(f64, [f64; 2])]) -> Ribbon {
         let mut spans = Vec::with_capacity(places.len());
         let mut flat = self.ruling(places[0].0).0;
         let mut space = flat;
@@ -151,12 +153,19 @@ impl Family {
                 .map(|(_, w)| w.turned[1] - w.turned[0])
                 .sum();
             space = space.moved(&Rates { turn: fold, ..Rates::default() }, 1.0);
-            // About the point in which the rulings of a cone meet, they stay straight through it.
+            // Rulings that meet in a point of the outline are laid about it: they stay straight through it.
             let centre = self.centre(0.5 * (a + b));
             let way = |pose: &Pose| pose.ruling().xy().dot(&(centre - pose.at.xy()));
-            let start = way(&flat);
             let slid = |pose: &Pose, by: f64| Pose { at: pose.point(by, 0.0), ..*pose };
-            (flat, space) = (slid(&flat, start), slid(&space, start));
+            let start = way(&flat);
+            // Ways along rulings are those of the frame: it slides along one where they are counted from another point.
+            if start.abs() > ONE_POINT * part.size() {
+                let slide = Rates { along: start, ..Rates::default() };
+                let foot = flat.ruling().xy().dot(&(self.origin - flat.at.xy()));
+                let reach = w[0].1.map(|v| v + foot);
+                spans.push(Span { flat, space, in_plane: slide, in_space: slide, reach });
+                (flat, space) = (slid(&flat, start), slid(&space, start));
+            }
             let next = self.ruling(b).0;
             let next = slid(&next, way(&next));
             let in_space = self.motion([a, b], [&flat, &next]);

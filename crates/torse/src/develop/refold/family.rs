@@ -4,7 +4,7 @@
 //! `docs/algorithms` says.
 
 use super::cut::cut;
-use super::drawn::{bounds, crossings, FlatPart};
+use super::drawn::{bounds, crossings, distance, FlatPart};
 use super::lines::Whole;
 use crate::develop::between::{moving, Between};
 use crate::geom::Vec2;
@@ -15,10 +15,8 @@ use crate::torse::ribbon::pose::{Pose, Rates};
 const LESS: [f64; 4] = [1.0, 0.7, 0.4, 0.2];
 /// Least distance of neighbouring rulings there, as a share of that in the middle.
 const LEAST_SPEED: f64 = 0.15;
-/// Share of the part's size within which a corner of the outline is the point where rulings meet.
+/// Share of the part's size within which the outline runs through the point where rulings meet.
 const TIP: f64 = 1e-4;
-/// Sizes of the part within which rulings are laid about the point in which they meet.
-const FAR: f64 = 4.0;
 /// Share of the part's size below which a ruling only touches the part.
 const TOUCHES: f64 = 1e-6;
 
@@ -34,7 +32,7 @@ pub(super) struct Family {
     pub reach: [[f64; 2]; 2],
     /// A point from which rulings are told: the tip of a cone, else the middle of the part.
     pub origin: Vec2,
-    /// See [`Self::centre`].
+    /// See [`centres`].
     centres: Vec<Vec2>,
     /// Where the rulings beside the first and last line meet in a corner of the outline, if they do: the tip of a cone or fan.
     tips: [Option<Vec2>; 2],
@@ -57,22 +55,13 @@ impl Family {
             Between::new(&a, &b, w[1].turned[0] - w[0].turned[1], origin)
         };
         let stretches = lines.windows(2).map(between).collect();
-        let centre = |w: &[Whole]| {
-            let meet = w[0].at + w[0].way * ((w[1].at - w[0].at).perp(&w[1].way) / w[0].way.perp(&w[1].way));
-            let near = (meet - origin).norm() <= FAR * part.size();
-            if near {
-                meet
-            } else {
-                origin
-            }
-        };
         let mut out = Self {
             stretches,
             beyond: [0.0; 2],
             tail: [[0.0; 3]; 2],
             reach: [[0.0; 2]; 2],
             origin,
-            centres: lines.windows(2).map(centre).collect(),
+            centres: centres(part, lines, origin),
             tips: [None; 2],
         };
         let foot = |l: &Whole| l.way.dot(&(l.at - origin));
@@ -164,7 +153,7 @@ impl Family {
         reach.is_none_or(|r| r.iter().all(|v| across + v * spin > -slack))
     }
 
-    /// Where the lines at both ends of the stretch of a place meet, if that is near the part; else the middle of the part.
+    /// The point about which rulings are laid at a place; see [`centres`].
     pub fn centre(&self, t: f64) -> Vec2 {
         self.centres[(t.max(0.0) as usize).min(self.stretches.len() - 1)]
     }
@@ -205,6 +194,25 @@ impl Family {
         let rate = |t: f64| stretch.rate(t - from, &self.ruling(t));
         Rates { turn: GAUSS_4.integrate(a, b, rate), ..flat[0].flat_rates_to(flat[1]) }
     }
+}
+
+/// The points about which rulings are laid, stretch by stretch: from one line at which pieces of the part join to the next, where all
+/// lines meet in one point of the outline, that point, else `origin`.
+fn centres(part: &FlatPart, lines: &[Whole], origin: Vec2) -> Vec<Vec2> {
+    let near = TIP * part.size();
+    let meets: Vec<Vec2> = lines
+        .windows(2)
+        .map(|w| w[0].at + w[0].way * ((w[1].at - w[0].at).perp(&w[1].way) / w[0].way.perp(&w[1].way)))
+        .collect();
+    let mut out = Vec::with_capacity(meets.len());
+    let mut first = 0;
+    for end in (1..lines.len()).filter(|k| lines[*k].joins() || k + 1 == lines.len()) {
+        let own = &meets[first..end];
+        let one = own.iter().all(|m| (m - own[0]).norm() <= near) && distance(&part.loops, &own[0]) <= near;
+        out.resize(end, if one { own[0] } else { origin });
+        first = end;
+    }
+    out
 }
 
 /// How coordinates of this `norm` change where a ruling spins, and its own point moves across.
