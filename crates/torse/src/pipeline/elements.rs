@@ -1,6 +1,6 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
-use crate::answer::note::{Became, FaceNote, FitNote, Note};
+use crate::answer::note::{Became, FaceNote, Note};
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;
 use crate::brep::face::Face;

@@ -1,6 +1,7 @@
 //! Planes and rulings of cones: what robust fits leave out, and what is said of given tangent planes.
 
 use super::*;
+use crate::answer::note::FitNote;
 use crate::certify::claim::What;
 use crate::torse::contact::ContactElement;
 
