@@ -661,12 +661,14 @@ mod tests {
         let (panel, _) = scan([0.0; 2]);
         let whole = Panel::from(panel.strip);
         // Rulings whose ends jump, twelve over the strip.
-        let place = |k: u32| [f64::from(k / 2) / 12.0, if k % 2 == 0 { 0.05 } else { 0.8 + 0.1 * f64::from(k / 2 % 2) }];
+        let place =
+            |k: u32| [f64::from(k / 2) / 12.0, if k % 2 == 0 { 0.05 } else { 0.8 + 0.1 * f64::from(k / 2 % 2) }];
         let ends: Vec<Vec3> = (0..26).map(place).map(|q| whole.strip.patch.point(q[0], q[1])).collect();
         let between: Vec<[u32; 4]> = (0..12).map(|k| [0, 1, 2, 3].map(|i| 2 * k + i)).collect();
         let places = points(std::slice::from_ref(&whole.strip), &ends, &Control::default());
         let measured = Measured { points: &ends, triangles: &[], between: &between, places: &places };
-        let corners: Vec<[f64; 2]> = (0..13).map(|k| place(2 * k)).chain((0..13).rev().map(|k| place(2 * k + 1))).collect();
+        let corners: Vec<[f64; 2]> =
+            (0..13).map(|k| place(2 * k)).chain((0..13).rev().map(|k| place(2 * k + 1))).collect();
         let cut = Panel { outline: vec![vec![run(&whole.strip, &corners)]], ..whole };
         let c = trimmed(&[cut], &measured, 0.01, &Control::default()).remove(0);
         // The parabola bulges by 30/4/144 at most, square to chords of no slope.

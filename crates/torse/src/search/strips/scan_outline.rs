@@ -339,8 +339,7 @@ mod tests {
     #[test]
     fn corners_of_meshes_are_judged_on_the_panels_of_their_facets() {
         let corners = [0.0, 20.0, 40.0].into_iter().flat_map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x, 10.0, 0.0)]);
-        let cloud =
-            Cloud { points: corners.collect(), triangles: vec![[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]] };
+        let cloud = Cloud { points: corners.collect(), triangles: vec![[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]] };
         let panels = vec![panel([0.0, 20.0]), panel([20.0, 40.0])];
         let strips: Vec<Strip> = panels.iter().map(|p| p.strip.clone()).collect();
         let ended = Ended { keeps: vec![Some([0.0, 0.5]); 2], panels, ..Ended::whole(strips.clone()) };
