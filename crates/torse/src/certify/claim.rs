@@ -138,6 +138,8 @@ pub enum What {
     BeyondRulings,
     /// Distance of the ends of given rulings from the strips as they are cut, mm.
     EndDistance,
+    /// Distance of the centres of given planes' regions from the strips, mm.
+    CentreDistance,
     /// Two-sided distance between strips, as they are cut, and the faces that they take the place of, mm.
     FaceDistance,
     /// Distance between neighbouring given rulings, mm.

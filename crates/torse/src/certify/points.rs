@@ -14,6 +14,7 @@ use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use crate::torse::strip::Strip;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Rulings of the table of a strip.
 const RULINGS: usize = 96;
@@ -127,6 +128,24 @@ pub fn points(strips: &[Strip], points: &[Vec3], control: &Control) -> PointCert
     }
     let worst = (0..bounds.len()).max_by(|&i, &j| bounds[i].total_cmp(&bounds[j]));
     PointCertificate { bounds, places, signed, worst }
+}
+
+/// The same for one strip and some of the points, by their numbers; the others are on no strip.
+pub(crate) fn on_strip(strip: &Strip, all: &[Vec3], own: &BTreeSet<u32>, control: &Control) -> PointCertificate {
+    let of: Vec<usize> = own.iter().map(|i| *i as usize).filter(|i| *i < all.len()).collect();
+    let some: Vec<Vec3> = of.iter().map(|i| all[*i]).collect();
+    let found = points(std::slice::from_ref(strip), &some, control);
+    let none = f64::INFINITY;
+    let mut out = PointCertificate {
+        bounds: vec![none; all.len()],
+        places: vec![(u32::MAX, 0.0, 0.0); all.len()],
+        signed: vec![none; all.len()],
+        worst: found.worst.map(|k| of[k]),
+    };
+    for (k, i) in of.into_iter().enumerate() {
+        (out.bounds[i], out.places[i], out.signed[i]) = (found.bounds[k], found.places[k], found.signed[k]);
+    }
+    out
 }
 
 fn nearest(targets: &[Target], x: &Vec3) -> (f64, (u32, f32, f32), f64) {

@@ -7,7 +7,8 @@
 //! in space are within `edge` of the images of the loops.
 //! *Method*. A point inside the loops has its own place on the patch; one outside, a place on the nearest side. The region
 //! is covered by cells of the parameter plane, halved until the convex hull of a cell's control points lies near
-//! one measured point or triangle, from which distances are convex. Predicates are exact \[S97\], values are intervals. Nothing
+//! one measured point or triangle, or the hull of two neighbouring rulings, from which distances are convex; where rulings are
+//! given, cells begin at these, since each lies beside the next two. Predicates are exact \[S97\], values are intervals. Nothing
 //! here knows how outlines were found.
 
 use super::claim::UpperBound;
@@ -34,6 +35,8 @@ pub struct Measured<'a> {
     pub points: &'a [Vec3],
     /// Corners of triangles that were measured as a whole; empty where points alone count.
     pub triangles: &'a [[u32; 3]],
+    /// Ends of two neighbouring rulings each: given is what lies on straight lines between both, the convex hull of the four.
+    pub between: &'a [[u32; 4]],
     /// Where the points lie on the strips.
     pub places: &'a PointCertificate,
 }
@@ -50,9 +53,15 @@ pub struct TrimmedCertificate {
     worst: Option<usize>,
     farthest: Option<Vec3>,
     fault: Option<Fault>,
+    bounds: Vec<(usize, f64)>,
 }
 
 impl TrimmedCertificate {
+    /// Each point that is placed on the panel, by its number, with the bound of its distance (mm).
+    pub(crate) fn bounds(&self) -> &[(usize, f64)] {
+        &self.bounds
+    }
+
     /// Bound of the distance of points placed on the panel from what its outline leaves of it; none is farther.
     pub fn beyond_bound(&self) -> UpperBound {
         self.beyond
@@ -116,6 +125,7 @@ pub fn trimmed(panels: &[Panel], measured: &Measured, tolerance: f64, control: &
                 worst: None,
                 farthest: None,
                 fault: None,
+                bounds: Vec::new(),
             };
             one(panel, &own, measured, &sites, tolerance, control)
                 .unwrap_or_else(|fault| TrimmedCertificate { fault: Some(fault), ..blank })
@@ -132,7 +142,11 @@ fn one(
     control: &Control,
 ) -> Result<TrimmedCertificate, Fault> {
     let ruled = Ruled::new(&panel.strip.patch).ok_or((LoopFault::NotRuled, None))?;
-    let region = Region::of(panel, &ruled)?;
+    let cuts = match measured.between.is_empty() {
+        true => Vec::new(),
+        false => own.iter().map(|&i| f64::from(measured.places.places()[i].1)).collect(),
+    };
+    let region = Region { cuts, ..Region::of(panel, &ruled)? };
     let jets = RuledJets::new(&ruled, &ruled.middle(panel.strip.domain().0));
     let mut edge = UpperBound::nothing();
     for run in panel.outline.iter().flatten() {
@@ -169,53 +183,78 @@ fn one(
         worst: worst.map(|k| own[k]),
         farthest,
         fault: None,
+        bounds: own.iter().copied().zip(bounds).collect(),
     })
 }
 
-/// Points and triangles, found by place.
+/// Points, triangles and what lies between rulings, found by place.
 struct Sites<'a> {
     measured: Measured<'a>,
     tree: BoxTree,
 }
 
+/// The sides of the convex hull of four points.
+const HULL: [[usize; 3]; 4] = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
+
 impl<'a> Sites<'a> {
     fn new(measured: &Measured<'a>) -> Self {
-        let (points, triangles) = (measured.points, measured.triangles);
-        let corner = |k: u32| points.get(k as usize).copied().unwrap_or_else(|| Vec3::repeat(f64::NAN));
+        let own = Self { measured: *measured, tree: BoxTree::new(0, &|_| BBox::empty()) };
         let bounds = |i: usize| {
             let mut b = BBox::empty();
-            match i.checked_sub(points.len()) {
-                None => b.include(&points[i]),
-                Some(k) => triangles[k].iter().for_each(|c| b.include(&corner(*c))),
-            }
+            own.corners(i).iter().for_each(|c| b.include(&own.corner(*c)));
             b
         };
-        Self { measured: *measured, tree: BoxTree::new(points.len() + triangles.len(), &bounds) }
+        let count = measured.points.len() + measured.triangles.len() + measured.between.len();
+        Self { tree: BoxTree::new(count, &bounds), ..own }
     }
 
-    /// The nearest point or triangle.
+    fn corner(&self, k: u32) -> Vec3 {
+        self.measured.points.get(k as usize).copied().unwrap_or_else(|| Vec3::repeat(f64::NAN))
+    }
+
+    /// Indices of the corners of a site; none of a single point.
+    fn hull(&self, i: usize) -> &'a [u32] {
+        let Measured { points, triangles, between, .. } = self.measured;
+        let Some(k) = i.checked_sub(points.len()) else { return &[] };
+        match k.checked_sub(triangles.len()) {
+            None => &triangles[k],
+            Some(k) => &between[k],
+        }
+    }
+
+    /// The same with that of a single point.
+    fn corners(&self, i: usize) -> Vec<u32> {
+        match self.hull(i) {
+            [] => vec![i as u32],
+            all => all.to_vec(),
+        }
+    }
+
+    /// The nearest site.
     fn near(&self, x: &Vec3) -> Option<usize> {
         let far = |i: usize| (self.on(i, x).0 - x).norm_squared();
         self.tree.nearest(x, &far).map(|n| n.0)
     }
 
-    /// The place of a point or triangle that is nearest to `x`, and how far rounding may have moved it, mm.
+    /// The place of a site that is nearest to `x`, and how far rounding may have moved it, mm. Inside a hull it is on its border.
     fn on(&self, i: usize, x: &Vec3) -> (Vec3, f64) {
-        let points = self.measured.points;
-        let Some(k) = i.checked_sub(points.len()) else { return (points[i], 0.0) };
-        let all = self.measured.triangles[k].map(|c| points.get(c as usize).copied());
-        let [Some(a), Some(b), Some(c)] = all else { return (Vec3::repeat(f64::NAN), 0.0) };
-        let s = nearest_on_triangle(x, [a, b, c]);
-        let place = a * s[0] + b * s[1] + c * s[2];
-        (place, PLACED * (place.amax() + points_size(self.measured, i)))
+        let hull = self.hull(i);
+        let sides = match hull.len() {
+            0 => return (self.measured.points[i], 0.0),
+            3 => &HULL[..1],
+            _ => &HULL[..],
+        };
+        let mut size = 0.0;
+        let places = sides.iter().map(|side| {
+            let [a, b, c] = side.map(|k| self.corner(hull[k]));
+            size = a.amax().max(b.amax()).max(c.amax()).max(size);
+            let s = nearest_on_triangle(x, [a, b, c]);
+            a * s[0] + b * s[1] + c * s[2]
+        });
+        let far = |p: &Vec3| (p - x).norm_squared();
+        let place = places.min_by(|p, q| far(p).total_cmp(&far(q))).unwrap_or_else(|| Vec3::repeat(f64::NAN));
+        (place, PLACED * (place.amax() + 3.0 * size))
     }
-}
-
-/// Largest coordinate of a triangle, mm.
-fn points_size(measured: Measured, i: usize) -> f64 {
-    let corners = i.checked_sub(measured.points.len()).and_then(|k| measured.triangles.get(k));
-    let sizes = corners.into_iter().flatten().filter_map(|c| measured.points.get(*c as usize)).map(Vec3::amax);
-    3.0 * sizes.fold(0.0, f64::max)
 }
 
 /// The region inside the loops.
@@ -225,6 +264,8 @@ struct Region {
     rows: Vec<Vec<(u32, u32)>>,
     /// Whether it is the whole patch.
     whole: bool,
+    /// Values of t at which cells begin, besides those of knots.
+    cuts: Vec<f64>,
 }
 
 /// Rows of r in which sides are looked up.
@@ -268,7 +309,7 @@ impl Region {
                 (a.min(b)..=a.max(b)).for_each(|r| rows[r].push((l as u32, k as u32)));
             }
         }
-        Ok(Self { loops, rows, whole: panel.outline.is_empty() })
+        Ok(Self { loops, rows, whole: panel.outline.is_empty(), cuts: Vec::new() })
     }
 
     fn side(&self, (l, k): (u32, u32)) -> [[f64; 2]; 2] {
@@ -334,7 +375,11 @@ impl Region {
     ) -> Option<(f64, Option<Vec3>)> {
         let all: Vec<[[f64; 2]; 2]> = self.sides_in_space(panel).into_iter().map(|s| s.0).collect();
         let seen = self.seen(panel, sites).max(tolerance);
-        let breaks = ruled.breaks();
+        let mut breaks = ruled.breaks();
+        let (from, to) = panel.strip.domain();
+        breaks.extend(self.cuts.iter().filter(|t| **t > from && **t < to));
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
         let most = MOST_CELLS / breaks.len();
         let span = |w: &[f64]| {
             let t = Interval::new(w[0], w[1]);
@@ -545,7 +590,7 @@ mod tests {
 
     fn judged(panel: &Panel, x: &[Vec3]) -> TrimmedCertificate {
         let places = points(std::slice::from_ref(&panel.strip), x, &Control::default());
-        let measured = Measured { points: x, triangles: &[], places: &places };
+        let measured = Measured { points: x, triangles: &[], between: &[], places: &places };
         trimmed(std::slice::from_ref(panel), &measured, 0.01, &Control::default()).remove(0)
     }
 
@@ -605,9 +650,28 @@ mod tests {
         assert!(c.reach_bound().value() >= off && c.reach_bound().value() < 1.2 * off, "{c:?}");
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|q| whole.strip.patch.point(q[0], q[1]));
         let places = points(std::slice::from_ref(&whole.strip), &corners, &Control::default());
-        let measured = Measured { points: &corners, triangles: &[[0, 1, 2], [0, 2, 3]], places: &places };
+        let measured = Measured { points: &corners, triangles: &[[0, 1, 2], [0, 2, 3]], between: &[], places: &places };
         let c = trimmed(&[whole], &measured, 0.01, &Control::default()).remove(0);
         // The chord of the parabola lies 7.5 beside it in z.
         assert!((6.5..8.6).contains(&c.reach_bound().value()), "{c:?}");
+    }
+
+    #[test]
+    fn what_lies_between_rulings_is_told_sharply() {
+        let (panel, _) = scan([0.0; 2]);
+        let whole = Panel::from(panel.strip);
+        // Rulings whose ends jump, twelve over the strip.
+        let place =
+            |k: u32| [f64::from(k / 2) / 12.0, if k % 2 == 0 { 0.05 } else { 0.8 + 0.1 * f64::from(k / 2 % 2) }];
+        let ends: Vec<Vec3> = (0..26).map(place).map(|q| whole.strip.patch.point(q[0], q[1])).collect();
+        let between: Vec<[u32; 4]> = (0..12).map(|k| [0, 1, 2, 3].map(|i| 2 * k + i)).collect();
+        let places = points(std::slice::from_ref(&whole.strip), &ends, &Control::default());
+        let measured = Measured { points: &ends, triangles: &[], between: &between, places: &places };
+        let corners: Vec<[f64; 2]> =
+            (0..13).map(|k| place(2 * k)).chain((0..13).rev().map(|k| place(2 * k + 1))).collect();
+        let cut = Panel { outline: vec![vec![run(&whole.strip, &corners)]], ..whole };
+        let c = trimmed(&[cut], &measured, 0.01, &Control::default()).remove(0);
+        // The parabola bulges by 30/4/144 at most, square to chords of no slope.
+        assert!(c.reach_bound().value() >= 0.0515 && c.reach_bound().value() < 0.06, "{c:?}");
     }
 }

@@ -2,6 +2,7 @@
 //! The tables carry no unit: the caller gives it.
 
 use super::cloud::CloudReadError;
+use super::curves::CurveError;
 use super::table::{self, Fault, Table};
 use crate::geom::Vec3;
 use crate::torse::contact::{ContactElement, Given};
@@ -55,8 +56,10 @@ pub fn read(
     region: Option<[f64; 4]>,
 ) -> Result<(Given, Vec<String>), CloudReadError> {
     if name.to_ascii_lowercase().ends_with(".dxf") {
-        let (lines, notes) = super::curves::lines(bytes, name, unit)
-            .map_err(|e| CloudReadError::Format { format: "DXF", reason: e.to_string() })?;
+        let (lines, notes) = super::curves::lines(bytes, name, unit).map_err(|e| match e {
+            CurveError::Unit { .. } | CurveError::NoUnit(_) => CloudReadError::Drawing(e.to_string()),
+            e => CloudReadError::Format { format: "DXF", reason: e.to_string() },
+        })?;
         if lines.is_empty() {
             let more = notes.first().map_or(String::new(), |n| format!(" ({n})"));
             let reason = format!("it holds no LINE: draw the rulings as lines{more}");
@@ -277,6 +280,15 @@ mod tests {
         assert!(text(b"px [in],py [in],pz [in],qx [in],qy [in],qz [in]\n0,0,0,1,0,0\n1e308,0,0,1,0,9\n")
             .contains("line 3: a length of inf mm"));
         assert!(text(b"a,b,c,d,x,y,z,r\n0,0,1e-300,1e10,0,0,0,1\n").contains("line 2: a length of inf mm"));
+    }
+
+    #[test]
+    fn drawings_in_another_unit_are_drawings() {
+        let metres = b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n20\n0\n30\n0\n\
+            11\n1\n21\n0\n31\n0\n0\nENDSEC\n0\nEOF\n";
+        assert!(read("a.dxf", metres, None, None).is_ok());
+        let told = read("a.dxf", metres, Some(1.0), None).expect_err("a fault").to_string();
+        assert!(told.starts_with("the unit of a.dxf is the") && told.contains("--unit says otherwise"), "{told}");
     }
 
     #[test]

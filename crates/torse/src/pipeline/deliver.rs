@@ -103,7 +103,7 @@ fn breaks(claim: &Claim, off: f64, cones: bool) -> bool {
     let distance = match claim.what() {
         What::FromCurve(_) | What::FromSide(_) | What::FromCurves | What::PointDistance | What::ElementDistance => true,
         What::TargetDistance(_) | What::BeyondOutline | What::FromMeasured => true,
-        What::BeyondRulings | What::EndDistance | What::FaceDistance => true,
+        What::BeyondRulings | What::EndDistance | What::CentreDistance | What::FaceDistance => true,
         // Both sides may move.
         What::JoinGap(_) => return moved_beyond(claim, 2.0 * off),
         // Panels that cover faces have what writing moves among their bounds.

@@ -1,30 +1,31 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
-use crate::answer::note::{Became, FaceNote, FitNote, Note};
+use crate::answer::note::{Became, FaceNote, Note};
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Status, Subject};
-use crate::certify::elements::elements as certified;
 use crate::control::Control;
 use crate::fit::elements::gaps::sheets;
 use crate::fit::elements::given::{agreeing, of_rulings, only, repeated, square, FEWEST};
+use crate::fit::elements::ruling_order::is_ring;
 use crate::geom::coarse::{is_tolerance, Coarse, Loose};
-use crate::geom::BBox;
+use crate::geom::{BBox, Vec3};
 use crate::io::words;
 use crate::reason::{Item, JobReason, Reason};
 use crate::search::strips::rows::{strips_of_face, strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
 use crate::search::trims::trims_judged;
-use crate::torse::contact::{orient, ContactElement, Given};
-use crate::torse::strip::Strip;
+use crate::torse::contact::{orient, Given};
 use crate::torse::zone::RegressionLimits;
 use judged::{judged, Made, Sort};
+use left::{bounds, shortened};
 pub use options::{ElementFitError, ElementFitOptions};
 use std::time::Instant;
 
 mod ends;
 mod judged;
+mod left;
 mod options;
 #[cfg(test)]
 mod tests;
@@ -64,17 +65,7 @@ pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Contro
     if let Some(index) = repeated(given) {
         return Err(ElementFitError::Repeated { what: sort.one(), index });
     }
-    let fitted = |kept: &Given| -> Result<Answer, ElementFitError> {
-        let row = |estimates| Row { name: what.to_string(), estimates, face: None };
-        let rows = match kept {
-            Given::Planes(p) => vec![row(vec![p.clone()])],
-            Given::Rulings(r) => sheets(r, options.tolerance)
-                .iter()
-                .map(|r| of_rulings(r, options.tolerance).map(row))
-                .collect::<Result<_, _>>()?,
-        };
-        run(rows, Vec::new(), sort, options, control)
-    };
+    let fitted = |kept: &Given| around(kept, sort, options, control);
     let all = fitted(given);
     // What one strip follows has no outliers.
     let one = |a: &Answer| a.status() == Status::Certified && a.patchwork.panels.len() == 1;
@@ -107,23 +98,31 @@ pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Contro
     Ok(answer)
 }
 
-/// Proven distances (mm) of elements that were left out from the strips of the others.
-fn bounds(answer: &Answer, out: &[(usize, ContactElement)], control: &Control) -> Vec<f64> {
-    let strips: Vec<Strip> = answer.strips().cloned().collect();
-    certified(&strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control).bounds().to_vec()
-}
-
-/// Says by how much a row of planes is shorter where those at its ends are left out.
-fn shortened(given: &Given, out: &[(usize, ContactElement)]) -> Option<FitNote> {
-    let Given::Planes(row) = given else { return None };
-    let is_out = |k: &usize| out.iter().any(|o| o.0 == *k);
-    let first = (0..row.len()).find(|k| !is_out(k))?;
-    let last = (0..row.len()).rev().find(|k| !is_out(k))?;
-    let count = first + row.len() - 1 - last;
-    let way =
-        |range: &[ContactElement]| -> f64 { range.windows(2).map(|w| (w[1].centre() - w[0].centre()).norm()).sum() };
-    let by = way(&row[..=first]) + way(&row[last..]);
-    (count > 0).then(|| FitNote::Shortened { count, by, of: way(row) })
+/// Strips for what is given: a ring of rulings that one strip would go around, up to where it begins, becomes two halves.
+fn around(
+    given: &Given,
+    sort: Sort,
+    options: &ElementFitOptions,
+    control: &Control,
+) -> Result<Answer, ElementFitError> {
+    let row = |estimates| Row { name: sort.many().to_string(), estimates, face: None };
+    let rulings = match given {
+        Given::Planes(p) => return run(vec![row(vec![p.clone()])], Vec::new(), sort, &[], (options, control)),
+        Given::Rulings(r) => r,
+    };
+    let found = |sheets: &[&[[Vec3; 2]]]| {
+        let rows = sheets.iter().map(|r| of_rulings(r, options.tolerance).map(row)).collect::<Result<_, _>>()?;
+        run(rows, Vec::new(), sort, rulings, (options, control))
+    };
+    let sheets = sheets(rulings, options.tolerance);
+    let answer = found(&sheets.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
+    match &sheets[..] {
+        [ring] if is_ring(ring) && ring.len() >= 2 * FEWEST && answer.patchwork.panels.len() == 1 => {
+            let middle = ring.len() / 2;
+            found(&[&ring[..=middle], &ring[middle..]])
+        }
+        _ => Ok(answer),
+    }
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
@@ -157,18 +156,18 @@ pub fn fit_faces(
         let reason = left.get(before).map_or_else(|| "no faces".into(), words::left_out);
         return Err(ElementFitError::NoFace { count: faces.len(), reason });
     }
-    let mut out = run(rows, left.clone(), Sort::Rulings, options, control)?;
+    let mut out = run(rows, left.clone(), Sort::Rulings, &[], (options, control))?;
     out.claims.extend(left_out(&left));
     Ok(out)
 }
 
-/// Fits strips to rows, has them judged and lays them flat.
+/// Fits strips to rows, has them judged and lays them flat; `rulings` are those that are given, in their order.
 fn run(
     rows: Vec<Row>,
     skipped: Vec<Skipped>,
     sort: Sort,
-    options: &ElementFitOptions,
-    control: &Control,
+    rulings: &[[Vec3; 2]],
+    (options, control): (&ElementFitOptions, &Control),
 ) -> Result<Answer, ElementFitError> {
     let clock = Instant::now();
     let what = sort.many();
@@ -178,7 +177,7 @@ fn run(
     options.limits.as_ref().map_or(Ok(()), RegressionLimits::check)?;
     Loose::check(extent(&rows), options.tolerance)?;
     let asked = options.asked();
-    let mut made = Made { skipped, ..Made::default() };
+    let mut made = Made { skipped, ends: ends::Ends::of(rulings), ..Made::default() };
     let count = rows.len();
     for (k, mut row) in rows.into_iter().enumerate() {
         checked(&mut row, options)?;

@@ -76,10 +76,12 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         Some(between) => Followed::Facets(cloud, &facets, between.bulge_estimate),
     };
     let ended = match control.stopped() {
-        true => Ended::whole(strips.clone()),
+        // What was not tried is not said to have no border.
+        true => Ended { whole: Vec::new(), ..Ended::whole(strips.clone()) },
         false => outlined(strips.clone(), &mut laid, followed, flat.side, options.tolerance, control),
     };
     let stretched = laid.refused();
+    let own = between.is_some().then_some(&facets[..]);
     let ends = FitNote::Ends { outlines: ended.outlines, whole: ended.whole.clone(), mesh: between.is_some() };
     let mut notes = told(ends, &strips, unused, lonely);
     let whole = Subject::Whole;
@@ -112,7 +114,7 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
     if worst.value() <= options.tolerance {
         claims.extend(broken.iter().map(|b| Claim::objection(whole, b)));
     }
-    claims.extend(claims_of_ends(&ended, cloud, &certificate, between.is_some(), options.tolerance, control));
+    claims.extend(claims_of_ends(&ended, cloud, &certificate, own, options.tolerance, control));
     claims.extend(claims_of_strips(&strips, &certificate, options.tolerance));
     Ok(Answer {
         claims,
@@ -133,7 +135,8 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
 
 /// Notes on outlines, on several strips, and on points that are left out or lie apart.
 fn told(ends: FitNote, strips: &[Strip], unused: FitNote, lonely: usize) -> Vec<Note> {
-    let mut notes = vec![Note::Fit(ends)];
+    let ends = Some(ends).filter(|e| !matches!(e, FitNote::Ends { outlines: None, whole, .. } if whole.is_empty()));
+    let mut notes: Vec<Note> = ends.into_iter().map(Note::Fit).collect();
     notes.extend((strips.len() > 1).then_some(Note::Unjoined));
     notes.extend((!matches!(unused, FitNote::Unused { count: 0, .. })).then_some(Note::Fit(unused)));
     notes.extend((lonely > 0).then_some(Note::Fit(FitNote::Lonely { count: lonely })));

@@ -295,6 +295,15 @@ pub enum JobReason {
         /// What counts as the same plane, rad.
         limit: f64,
     },
+    /// The strips end before the place that is given with a plane.
+    Before {
+        /// Number of the plane.
+        index: usize,
+        /// Its place.
+        at: Vec3,
+        /// How far that is from the strips, mm.
+        away: f64,
+    },
     /// A share of the places on a mesh have no strip near them, for example one.
     Bare(f64, Vec3),
     /// Conditions ask for more than there is.

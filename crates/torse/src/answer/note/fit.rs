@@ -38,6 +38,22 @@ pub enum FitNote {
         /// How far the strip bulges from straight lines between the two, mm, estimated; `None` if no strip lies there.
         bulge_estimate: Option<f64>,
     },
+    /// Stretches between rulings that come one after the other which no strip covers as it is cut.
+    NoStrip {
+        /// How many.
+        count: usize,
+        /// The middle of the one that is farthest from the strips.
+        at: Vec3,
+        /// No larger is its distance from them, mm; infinite where nothing is known.
+        off: f64,
+    },
+    /// Rulings that go around a ring and end before the first of them.
+    OpenRing {
+        /// How far apart the first and the last one are, mm.
+        apart: f64,
+        /// The middle between both.
+        at: Vec3,
+    },
     /// Points too far from others to belong to a surface.
     Lonely {
         /// How many.

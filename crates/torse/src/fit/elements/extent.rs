@@ -23,7 +23,12 @@ use crate::torse::strip::Strip;
 /// # Errors
 /// See [`ExtentError`].
 pub fn strip(name: &str, fit: &Fit, elements: &[ContactElement]) -> Result<Strip, ExtentError> {
-    let border = border(&fit.torse, fit.error, elements)?;
+    within(name, fit, elements, true).or_else(|_| within(name, fit, elements, false))
+}
+
+/// The same with or without what is beyond the outermost planes, see [`border`].
+fn within(name: &str, fit: &Fit, elements: &[ContactElement], beyond: bool) -> Result<Strip, ExtentError> {
+    let border = border(&fit.torse, fit.error, elements, beyond)?;
     let whole = patch(&fit.torse, &Extent { loops: vec![border.clone()] })?;
     let (a, b) = border.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
     let ((u0, u1), _) = whole.domain();
@@ -43,7 +48,7 @@ const EXCESS: f64 = 0.3;
 pub fn strip_by_slope(name: &str, found: &Sloped, error: f64, elements: &[ContactElement]) -> Option<Strip> {
     let curve = continued(&found.curve)?;
     let torse = Torse::Dual(curve.to_world(&found.frame).ok()?.to_torse());
-    let border = border(&torse, error, elements).ok()?;
+    let border = border(&torse, error, elements, true).ok()?;
     let local: Vec<(f64, f64)> = border.iter().map(|(t, x)| (*t, found.frame.to_local(x).x)).collect();
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
@@ -77,8 +82,18 @@ fn continued(curve: &DualCurve) -> Option<DualCurve> {
     DualCurve::slope(planes.knots.degree(), planes.knots.values().to_vec(), &control).ok()
 }
 
-/// Ends of the rulings of a torse for the elements: all first ends, then all second ones, with their parameters.
-fn border(torse: &Torse, error: f64, elements: &[ContactElement]) -> Result<Vec<(f64, Vec3)>, ExtentError> {
+/// How far the centre of the region of a plane may lie beside a torse that touches the plane there, as a share of its radius.
+const BESIDE: f64 = 0.01;
+
+/// Ends of the rulings of a torse for the elements: all first ends, then all second ones, with their parameters. A torse that has
+/// nearly the planes asked for may touch them a little before or behind the centres of their regions: with `beyond` it is followed
+/// up to those of the first and the last plane, if it goes by there.
+fn border(
+    torse: &Torse,
+    error: f64,
+    elements: &[ContactElement],
+    beyond: bool,
+) -> Result<Vec<(f64, Vec3)>, ExtentError> {
     let sheet = Sheet::of(torse).ok_or(ExtentError::Few(0))?;
     let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
     for e in elements {
@@ -91,14 +106,20 @@ fn border(torse: &Torse, error: f64, elements: &[ContactElement]) -> Result<Vec<
                 (foot.unwrap_or(t), x)
             })
         } else {
-            let r = torse.ruling(t);
-            let c = e.centre();
-            let middle = r.point + r.direction * r.direction.dot(&(c - r.point));
-            let half = (e.radius * e.radius - (c - middle).norm_squared()).max(0.0).sqrt();
-            [(t, middle - r.direction * half), (t, middle + r.direction * half)]
+            chord(torse, t, e)
         };
         for (side, end) in sides.iter_mut().zip(ends) {
             side.push(end);
+        }
+    }
+    let (a, b) = sides[0].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let outermost = [elements.first(), elements.last()];
+    for e in outermost.into_iter().flatten().filter(|e| beyond && !e.has_ruling()) {
+        let q = sheet.local(&e.centre());
+        let near = |t: &f64| sheet.distance(&q, *t).0.abs() <= 2.0 * error + BESIDE * e.radius;
+        let from = least(torse, |r| off(r, e));
+        if let Some(t) = sheet.foot(&q, from, sheet.domain()).filter(near).filter(|t| *t < a || *t > b) {
+            sides.iter_mut().zip(chord(torse, t, e)).for_each(|(side, end)| side.push(end));
         }
     }
     // Directions of rulings follow the torse, not the elements: ends may have changed sides.
@@ -114,6 +135,14 @@ fn border(torse: &Torse, error: f64, elements: &[ContactElement]) -> Result<Vec<
         return Err(ExtentError::Few(border.len()));
     }
     Ok(border)
+}
+
+/// What a ball around the centre of a plane leaves of the ruling at a parameter: its ends, with this.
+fn chord(torse: &Torse, t: f64, e: &ContactElement) -> [(f64, Vec3); 2] {
+    let (r, c) = (torse.ruling(t), e.centre());
+    let middle = r.point + r.direction * r.direction.dot(&(c - r.point));
+    let half = (e.radius * e.radius - (c - middle).norm_squared()).max(0.0).sqrt();
+    [(t, middle - r.direction * half), (t, middle + r.direction * half)]
 }
 
 /// Distance of an element from a ruling: end by end, or as planes over the region.

@@ -5,7 +5,7 @@ use super::ruling_order::ordered;
 use crate::geom::Vec3;
 
 /// Distance of neighbours that is told of, in median distances: rulings of one sheet lie closer where it bends more.
-const WIDE: f64 = 5.0;
+pub(crate) const WIDE: f64 = 5.0;
 /// Distance of neighbours that belong to two sheets if the sheet between them would not be plane, in median distances.
 const APART: f64 = 10.0;
 /// Sagitta of an arc as a share of its chord and of the angles (rad) between both at its two ends, added.
@@ -16,24 +16,43 @@ const SAGITTA: f64 = 0.125;
 pub(crate) struct Gap {
     /// Index of the first of both.
     pub after: usize,
-    /// Mean distance of their ends, mm.
+    /// Their distance as [`steps`] has it, mm.
     pub apart: f64,
     /// Median of that over all neighbours, mm.
     pub usual: f64,
 }
 
-/// Mean distance of the ends of neighbours, mm.
+/// Distances of neighbours, mm: mean ones where they lie beside each other.
 pub(crate) fn steps(row: &[[Vec3; 2]]) -> Vec<f64> {
-    row.windows(2).map(|w| 0.5 * ((w[0][0] - w[1][0]).norm() + (w[0][1] - w[1][1]).norm())).collect()
+    row.windows(2).map(|w| apart(&w[0], &w[1]).max(apart(&w[1], &w[0]))).collect()
+}
+
+/// Mean distance of the stretch of a ruling that lies beside another from this, mm; without such a stretch that of their nearest
+/// ends. Ends that jump along their rulings make these no farther apart.
+fn apart([a, b]: &[Vec3; 2], other: &[Vec3; 2]) -> f64 {
+    let d = b - a;
+    let share = |x: &Vec3| d.dot(&(x - a)) / d.norm_squared();
+    let [p, q] = [share(&other[0]), share(&other[1])];
+    let (from, to) = (p.min(q).max(0.0), p.max(q).min(1.0));
+    if !(from <= to && p != q) {
+        let ends = [a, b].into_iter().flat_map(|x| other.iter().map(move |y| (x - y).norm()));
+        return ends.fold(f64::INFINITY, f64::min);
+    }
+    let off = |s: f64| (a + d * s - (other[0] + (other[1] - other[0]) * ((s - p) / (q - p)))).norm();
+    0.5 * (off(from) + off(to))
+}
+
+/// Median distance of neighbours, mm.
+pub(crate) fn usual(row: &[[Vec3; 2]]) -> Option<f64> {
+    let mut steps = steps(row);
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
 }
 
 /// The wide stretches of a row in order, the widest first.
 pub(crate) fn gaps(row: &[[Vec3; 2]]) -> Vec<Gap> {
-    let steps = steps(row);
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let Some(&usual) = sorted.get(sorted.len() / 2) else { return Vec::new() };
-    let wide = steps.into_iter().enumerate().filter(|(_, s)| *s > WIDE * usual);
+    let Some(usual) = usual(row) else { return Vec::new() };
+    let wide = steps(row).into_iter().enumerate().filter(|(_, s)| *s > WIDE * usual);
     let mut out: Vec<Gap> = wide.map(|(after, apart)| Gap { after, apart, usual }).collect();
     out.sort_by(|a, b| b.apart.total_cmp(&a.apart));
     out
@@ -109,6 +128,10 @@ mod tests {
         };
         let bends: Vec<[Vec3; 2]> = (0..10).map(flat).collect();
         assert_eq!((gaps(&bends).len(), groups(&bends, 0.5).len()), (1, 1));
+        // Ends that jump along their rulings by much more than these are apart.
+        let mut notched = cylinder((0..10).map(|k| 0.05 * f64::from(k)));
+        notched[4..7].iter_mut().for_each(|r| r[0].z = 60.0);
+        assert!(gaps(&notched).is_empty() && steps(&notched).iter().all(|s| *s < 5.1), "{:?}", steps(&notched));
         // Too few for a sheet of their own.
         let few = cylinder((0..10).map(|k| 0.05 * f64::from(k) + if k < 8 { 0.0 } else { 1.0 }));
         assert_eq!(groups(&few, 0.1).len(), 1);

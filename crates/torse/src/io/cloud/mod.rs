@@ -18,6 +18,9 @@ pub enum CloudReadError {
     /// The ending of the name is not known.
     #[error("'{0}' is no known kind of point file: give .ply, .csv, .xyz, .txt, .obj, .stl or .3dm")]
     Kind(String),
+    /// A drawing whose unit is not known, or not that which is given.
+    #[error("{0}")]
+    Drawing(String),
     /// Not what the ending says.
     #[error("not a {format} file: {reason}")]
     Format {

@@ -30,6 +30,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::ElementAngle => "largest angle between given and fitted tangent planes".into(),
         What::BeyondRulings => "distance of the strips as they are cut from what lies between the given rulings".into(),
         What::EndDistance => "distance of the ends of given rulings from the strips as they are cut".into(),
+        What::CentreDistance => "largest distance of the places x, y, z of planes from the strips".into(),
         What::FaceDistance => "distance between the strips as they are cut and the given faces, both ways".into(),
         What::RulingGap => "largest distance between neighbouring rulings".into(),
         What::FromTaken => "distance of the strips from those taken over, both ways".into(),
@@ -119,6 +120,7 @@ pub fn id(what: What) -> &'static str {
         What::ElementAngle => "element_angle",
         What::BeyondRulings => "beyond_rulings",
         What::EndDistance => "end_distance",
+        What::CentreDistance => "centre_distance",
         What::FaceDistance => "face_distance",
         What::RulingGap => "ruling_gap",
         What::FromTaken => "from_taken",
@@ -206,6 +208,7 @@ pub fn unit(what: What) -> &'static str {
         | What::ElementDistance
         | What::BeyondRulings
         | What::EndDistance
+        | What::CentreDistance
         | What::FaceDistance
         | What::RulingGap
         | What::FromTaken

@@ -7,8 +7,8 @@ use crate::certify::nearness::panels_from_faces;
 use crate::certify::points::points;
 use crate::certify::trimmed::{trimmed, Measured, TrimmedCertificate};
 use crate::control::Control;
-use crate::fit::elements::gaps::{gaps, steps};
-use crate::geom::cloud::Cloud;
+use crate::fit::elements::gaps::{self, gaps, steps, WIDE};
+use crate::fit::elements::ruling_order::{aligned, opening};
 use crate::geom::Vec3;
 use crate::patchwork::panel::Panel;
 use crate::reason::{Item, Reason, StripReason};
@@ -27,11 +27,18 @@ pub(super) struct Ends {
     borders: Vec<Option<GivenBorder>>,
     /// Given faces with the strips in their place.
     faces: Vec<(Face, Range<usize>)>,
-    /// Given rulings, row by row.
+    /// Given rulings, row by row, as they were put in order.
     rows: Vec<Vec<[Vec3; 2]>>,
+    /// The same as they are given.
+    given: Vec<[Vec3; 2]>,
 }
 
 impl Ends {
+    /// Where rulings end that are given like this; nothing of faces and planes.
+    pub fn of(given: &[[Vec3; 2]]) -> Self {
+        Self { given: given.to_vec(), ..Self::default() }
+    }
+
     /// Adds the strips of a row.
     pub fn add(&mut self, found: &RowStrips, face: Option<&GivenFace>, tolerance: f64) {
         let first = self.borders.len();
@@ -69,16 +76,15 @@ impl Ends {
         if self.is_open() || ended.panels.is_empty() {
             return Vec::new();
         }
-        let sheets: Vec<Cloud> = self.borders.iter().flatten().map(GivenBorder::sheet).collect();
-        let mut given = Cloud::default();
-        for sheet in sheets {
-            let first = given.points.len() as u32;
-            given.points.extend(sheet.points);
-            given.triangles.extend(sheet.triangles.into_iter().map(|t| t.map(|k| k + first)));
+        let (mut given, mut between): (Vec<Vec3>, Vec<[u32; 4]>) = (Vec::new(), Vec::new());
+        for (ends, pairs) in self.borders.iter().flatten().map(GivenBorder::sheet) {
+            let first = given.len() as u32;
+            given.extend(ends);
+            between.extend(pairs.into_iter().map(|t| t.map(|k| k + first)));
         }
         let strips: Vec<Strip> = ended.panels.iter().map(|p| p.strip.clone()).collect();
-        let places = points(&strips, &given.points, control);
-        let measured = Measured { points: &given.points, triangles: &given.triangles, places: &places };
+        let places = points(&strips, &given, control);
+        let measured = Measured { points: &given, triangles: &[], between: &between, places: &places };
         // Bounds of the way back need not be much sharper than what outlines keep to.
         let within = ended.keeps.iter().flatten().map(|k| SHARP * k[1]).fold(tolerance, f64::max);
         let proofs = trimmed(&ended.panels, &measured, within, control);
@@ -99,7 +105,7 @@ impl Ends {
                 out.push(Claim::objection(Subject::Panel(k), told(StripReason::Outline(fault, at))));
             }
             if rulings {
-                let worst = proof.worst().and_then(|i| given.points.get(i).copied());
+                let worst = proof.worst().and_then(|i| given.get(i).copied());
                 out.extend(
                     of_panel(k, ended.keeps.get(k).copied().flatten(), proof, worst, tolerance)
                         .map(|(c, r)| c.because(told(r))),
@@ -151,8 +157,43 @@ impl Ends {
         }
         if rulings {
             out.extend(self.gaps(ended, control));
+            out.extend(self.bare(ended, control));
+            out.extend(self.rows.iter().filter_map(|r| opening(r)).map(|(apart, at)| FitNote::OpenRing { apart, at }));
         }
         out.into_iter().map(Note::Fit).collect()
+    }
+
+    /// Stretches between rulings that come one after the other, here or as they are given, which no strip covers as it is cut.
+    /// Knows nothing of what strips were fitted to.
+    fn bare(&self, ended: &Ended, control: &Control) -> Option<FitNote> {
+        let all: Vec<[Vec3; 2]> = self.rows.iter().flatten().copied().collect();
+        let usual = gaps::usual(&all).or_else(|| gaps::usual(&self.given))?;
+        let rows = self.rows.iter().map(Vec::as_slice).chain([&self.given[..]]);
+        let of_row = |row: &[[Vec3; 2]]| {
+            let pairs = row.windows(2).map(|w| aligned(w[0], w[1])).zip(steps(row));
+            pairs.filter(|(_, s)| *s > 0.0 && *s <= WIDE * usual).collect::<Vec<_>>()
+        };
+        let stretches: Vec<([[Vec3; 2]; 2], f64)> = rows.flat_map(of_row).collect();
+        let middles: Vec<Vec3> = stretches.iter().map(|(p, _)| p.iter().flatten().sum::<Vec3>() * 0.25).collect();
+        let mut off = vec![f64::INFINITY; middles.len()];
+        for panel in &ended.panels {
+            let places = points(std::slice::from_ref(&panel.strip), &middles, control);
+            let measured = Measured { points: &middles, triangles: &[], between: &[], places: &places };
+            // Nothing is asked of the way back here.
+            let proofs = trimmed(std::slice::from_ref(panel), &measured, f64::MAX, control);
+            for (i, bound) in proofs.iter().flat_map(TrimmedCertificate::bounds) {
+                off[*i] = off[*i].min(*bound);
+            }
+        }
+        let mut found: Vec<(Vec3, f64)> = Vec::new();
+        for ((middle, off), (_, apart)) in middles.iter().zip(&off).zip(&stretches) {
+            let told = found.iter().any(|(m, _)| (m - middle).norm() < APART * apart);
+            if *off > APART * apart && !told {
+                found.push((*middle, *off));
+            }
+        }
+        let (at, off) = found.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(FitNote::NoStrip { count: found.len(), at: *at, off: *off })
     }
 
     /// The widest stretch between neighbouring rulings, if it is much wider than others.
@@ -194,6 +235,9 @@ fn of_panel(
     [(beyond, far), (reached, farther)].into_iter()
 }
 
+/// Share of the distance of two rulings from which on the middle between them has no strip: a sheet that bends by a right angle
+/// between them bulges by less.
+const APART: f64 = 0.25;
 /// Share of what outlines keep to below which distances from the stretches between rulings are not told apart.
 const SHARP: f64 = 0.6;
 /// What bounds of the distances of ends, and of the way back, may exceed by what outlines are made to keep to, as shares: bounds are

@@ -7,10 +7,12 @@ use crate::answer::skipped::Skipped;
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::elements::{elements as certified, ElementCertificate};
+use crate::certify::points::points;
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::{self, JobReason, Reason};
@@ -112,6 +114,7 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         let claim = Claim::at_most(What::ElementAngle, whole, turn.degrees());
         claim.within(options.plane_angle.to_degrees()).because(Reason::from(reason))
     }));
+    claims.extend(at_centres(&strips, &all, sort, options.tolerance, control));
     claims.extend(ends.claims(&ended, options.tolerance, control));
     if control.stopped() {
         claims.push(Claim::objection(whole, JobReason::NotAllJudged(sort.given())));
@@ -141,6 +144,33 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
         ..Answer::of_flat(Job::Fit, &options.input, options.tolerance, laid)
     }
 }
+
+/// How far the centres of planes' regions are from the strips. Where most lie on these they are places where the planes touch the
+/// surface, and all should.
+fn at_centres(
+    strips: &[Strip],
+    all: &[ContactElement],
+    sort: Sort,
+    tolerance: f64,
+    control: &Control,
+) -> Option<Claim> {
+    let planes: Vec<usize> = (0..all.len()).filter(|k| !all[*k].has_ruling()).collect();
+    if !matches!(sort, Sort::Planes) || planes.is_empty() || strips.is_empty() {
+        return None;
+    }
+    let centres: Vec<Vec3> = planes.iter().map(|k| all[*k].centre()).collect();
+    let found = points(strips, &centres, control);
+    let claim = Claim::at_most(What::CentreDistance, Subject::Whole, found.worst_bound());
+    let on = found.bounds().iter().filter(|b| **b <= ON_STRIP * tolerance).count();
+    let reason = found.worst().map(|k| {
+        let (index, at) = (planes[k], centres[k]);
+        Reason::from(JobReason::Before { index, at, away: found.bounds()[k] })
+    });
+    Some(if 2 * on >= planes.len() { claim.within(tolerance).because(reason) } else { claim })
+}
+
+/// Share of the tolerance within which centres of regions lie on a strip and not beside it by chance.
+const ON_STRIP: f64 = 0.5;
 
 fn claims_of_strips(strips: &[Strip], c: &ElementCertificate) -> Vec<Claim> {
     let claims = |(k, strip): (usize, &Strip)| {

@@ -1,8 +1,9 @@
 //! Planes and rulings of cones: what robust fits leave out, and what is said of given tangent planes.
 
 use super::*;
+use crate::answer::note::FitNote;
 use crate::certify::claim::What;
-use crate::geom::Vec3;
+use crate::torse::contact::ContactElement;
 
 /// A ruling of a circular cone with its normal turned about it, at a share of 2 rad.
 fn element(share: f64, turned: f64) -> ContactElement {
@@ -138,4 +139,59 @@ fn strips_of_faces_end_at_their_border_and_at_holes() {
         assert!(answer.claim(What::FaceDistance).is_some_and(|c| c.value() <= 0.2));
         assert_eq!(answer.patchwork.panels[0].outline.len(), loops);
     }
+}
+
+/// Rulings of a circular cone all around, the last one the first; their ends are 100 and 300 mm from its tip.
+fn ring(count: usize) -> Vec<[Vec3; 2]> {
+    let ray = |k: usize| {
+        let ((s, c), (p, q)) =
+            ((std::f64::consts::TAU * (k % count) as f64 / count as f64).sin_cos(), 0.3_f64.sin_cos());
+        Vec3::new(p * c, p * s, q)
+    };
+    (0..=count).map(|k| [ray(k) * 100.0, ray(k) * 300.0]).collect()
+}
+
+#[test]
+fn rings_are_covered_all_around() {
+    let has = |a: &Answer, f: fn(&FitNote) -> bool| a.notes.iter().any(|n| matches!(n, Note::Fit(n) if f(n)));
+    let flat = |a: &Answer| a.patterns.iter().map(|p| p.area).sum::<f64>();
+    let one = std::f64::consts::PI * 0.3_f64.sin() * (300.0 * 300.0 - 100.0 * 100.0) / 48.0;
+    let closed = fit_rulings(&Given::Rulings(ring(48)));
+    assert_eq!(closed.status(), Status::Certified, "{}", words::reason(&closed.claims, &[]));
+    assert!((flat(&closed) / (48.0 * one) - 1.0).abs() < 0.004, "{} {}", flat(&closed), 48.0 * one);
+    assert!(!has(&closed, |n| matches!(n, FitNote::NoStrip { .. } | FitNote::OpenRing { .. })), "{:?}", closed.notes);
+    let open = fit_rulings(&Given::Rulings(ring(48)[..48].to_vec()));
+    assert_eq!(open.status(), Status::Certified, "{}", words::reason(&open.claims, &[]));
+    assert!((flat(&open) / (47.0 * one) - 1.0).abs() < 0.004, "{} {}", flat(&open), 47.0 * one);
+    assert!(has(&open, |n| matches!(n, FitNote::OpenRing { .. })), "{:?}", open.notes);
+}
+
+#[test]
+fn stretches_without_a_strip_are_told() {
+    use crate::search::strips::scan_outline::Ended;
+    let Given::Rulings(all) = rulings(40, |_| [0.0; 2]) else { return };
+    let half = fit_rulings(&Given::Rulings(all[..25].to_vec()));
+    let ended = Ended::whole(half.strips().cloned().collect());
+    let told = ends::Ends::of(&all).notes(&ended, true, &Control::default());
+    let count = told.iter().find_map(|n| match n {
+        Note::Fit(FitNote::NoStrip { count, off, .. }) if *off > 50.0 => Some(*count),
+        _ => None,
+    });
+    assert_eq!(count, Some(15), "{told:?}");
+    let whole = ends::Ends::of(&all[..25]).notes(&ended, true, &Control::default());
+    assert!(whole.is_empty(), "{whole:?}");
+}
+
+#[test]
+fn strips_of_planes_reach_the_places_given_with_these() {
+    let plane = |k: usize| {
+        let (s, c) = (std::f64::consts::TAU * k as f64 / 72.0).sin_cos();
+        let normal = Vec3::new(c, s, 0.0);
+        ContactElement { normal, ends: [normal * 400.0; 2], radius: 120.0, weight: 1.0 }
+    };
+    let options = ElementFitOptions::new(0.5, "ring");
+    let given = Given::Planes((0..73).map(plane).collect());
+    let answer = fit_elements(&given, &options, &Control::default()).expect("an answer");
+    let off = answer.claim(What::CentreDistance).expect("a figure").value();
+    assert!(answer.status() == Status::Certified && off <= 0.5, "{off} {}", words::reason(&answer.claims, &[]));
 }

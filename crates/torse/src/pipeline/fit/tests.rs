@@ -39,3 +39,11 @@ fn corners_of_deleted_triangles_are_no_points_of_the_sheet() {
     });
     assert_eq!(holes, Some(1));
 }
+
+#[test]
+fn what_was_stopped_is_not_said_to_have_no_border() {
+    let control = Control::default();
+    control.cancel();
+    let answer = fit(&holed(), &FitOptions::new(0.5, "hole"), &control).expect("an answer");
+    assert!(!answer.notes.iter().any(|n| matches!(n, Note::Fit(FitNote::Ends { .. }))), "{:?}", answer.notes);
+}

@@ -5,7 +5,6 @@ use crate::certify::points::points;
 use crate::control::Control;
 use crate::develop::scanned::{area, needed, sharp, CarriedLoop, ScanOutline, Shown};
 use crate::develop::smooth_ends::through;
-use crate::geom::cloud::Cloud;
 use crate::geom::{Vec2, Vec3};
 use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
@@ -35,16 +34,14 @@ impl GivenBorder {
         all.then(|| Self::Rulings(elements.iter().map(|e| e.ends).collect()))
     }
 
-    /// What is given, as points and, between neighbouring rulings, two triangles each.
-    pub fn sheet(&self) -> Cloud {
+    /// What is given, as points and, of rulings, the indices of the ends of neighbours.
+    pub fn sheet(&self) -> (Vec<Vec3>, Vec<[u32; 4]>) {
         match self {
             Self::Rulings(all) => {
-                let points = all.iter().flatten().copied().collect();
-                let between = (1..all.len() as u32).map(|k| 2 * k);
-                let triangles = between.flat_map(|k| [[k - 2, k - 1, k + 1], [k - 2, k + 1, k]]).collect();
-                Cloud { points, triangles }
+                let between = (1..all.len() as u32).map(|k| [2 * k - 2, 2 * k - 1, 2 * k, 2 * k + 1]);
+                (all.iter().flatten().copied().collect(), between.collect())
             }
-            Self::Face(loops) => Cloud { points: loops.iter().flatten().copied().collect(), triangles: Vec::new() },
+            Self::Face(loops) => (loops.iter().flatten().copied().collect(), Vec::new()),
         }
     }
 }

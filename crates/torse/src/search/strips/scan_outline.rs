@@ -5,7 +5,7 @@ use super::given_outline::{cut as cut_given, Cut, GivenBorder};
 use crate::certify;
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::flat::outlined_parts;
-use crate::certify::points::PointCertificate;
+use crate::certify::points::{on_strip, PointCertificate};
 use crate::certify::trimmed::{trimmed, Measured, TrimmedCertificate};
 use crate::control::Control;
 use crate::develop::map::Development;
@@ -204,18 +204,44 @@ fn border(shown: &Shown, strip: &Strip) -> Option<Vec<CarriedLoop>> {
     Some(vec![shown.carried(&corners, false)?])
 }
 
-/// What the judge says of where panels end.
+/// The panels before their judge. Of a coarse mesh a panel is judged by the corners of its own `facets`, and those of facets
+/// without a panel where they are nearest: other panels may lie under its corners, too, and end elsewhere.
+fn proofs(
+    ended: &Ended,
+    cloud: &Cloud,
+    certificate: &PointCertificate,
+    facets: Option<&[Vec<u32>]>,
+    tolerance: f64,
+    control: &Control,
+) -> Vec<TrimmedCertificate> {
+    let (points, between) = (&cloud.points, &[][..]);
+    let Some(facets) = facets else {
+        let measured = Measured { points, triangles: &[], between, places: certificate };
+        return trimmed(&ended.panels, &measured, tolerance, control);
+    };
+    let corners = |f: &u32| cloud.triangles.get(*f as usize).copied().unwrap_or_default();
+    let held: BTreeSet<u32> = facets.iter().flatten().flat_map(corners).collect();
+    let one = |(k, panel): (usize, &Panel)| {
+        let of_panel = facets.get(k).into_iter().flatten().flat_map(corners);
+        let nearest = (0..).zip(certificate.places()).filter(|(c, p)| p.0 as usize == k && !held.contains(c));
+        let own: BTreeSet<u32> = of_panel.chain(nearest.map(|n| n.0)).collect();
+        let places = on_strip(&panel.strip, points, &own, control);
+        let measured = Measured { points, triangles: &cloud.triangles, between, places: &places };
+        trimmed(std::slice::from_ref(panel), &measured, tolerance, control)
+    };
+    ended.panels.iter().enumerate().flat_map(one).collect()
+}
+
+/// What the judge says of where panels end; `facets` are those of each panel where the points are the corners of a coarse mesh.
 pub(crate) fn claims_of_ends(
     ended: &Ended,
     cloud: &Cloud,
     certificate: &PointCertificate,
-    mesh: bool,
+    facets: Option<&[Vec<u32>]>,
     tolerance: f64,
     control: &Control,
 ) -> Vec<Claim> {
-    let measured =
-        Measured { points: &cloud.points, triangles: if mesh { &cloud.triangles } else { &[] }, places: certificate };
-    let proofs = trimmed(&ended.panels, &measured, tolerance, control);
+    let proofs = proofs(ended, cloud, certificate, facets, tolerance, control);
     let mut out = Vec::new();
     if proofs.is_empty() {
         return out;
@@ -240,10 +266,11 @@ pub(crate) fn claims_of_ends(
             continue;
         };
         let worst = proof.worst().and_then(|i| Some((i, *cloud.points.get(i)?)));
+        let [outside, inside] = [outside, inside].map(|x| x + near_points(tolerance));
         let far = told(StripReason::PointOutside { within: outside, worst });
-        out.push(beyond.within(outside + near_points(tolerance)).because(far));
+        out.push(beyond.within(outside).because(far));
         let far = told(StripReason::OutlineOutside { within: inside, at: proof.farthest() });
-        out.push(reach.within(inside + near_points(tolerance)).because(far));
+        out.push(reach.within(inside).because(far));
     }
     out
 }
@@ -277,4 +304,58 @@ fn mirrored(pattern: &Pattern, development: &Development) -> Option<bool> {
         drawn.iter().zip(&made).map(pair).sum()
     };
     Some(alike(-1.0) > alike(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::points::points;
+    use crate::patchwork::panel::{Border, Coedge};
+    use crate::spline::curve::Curve;
+    use crate::spline::knots::Knots;
+    use crate::torse::form::PanelKind;
+
+    /// A plane strip of 40 by 10 that ends at two places `x`.
+    fn panel(x: [f64; 2]) -> Panel {
+        let rail = |y: f64| {
+            let ends = vec![[0.0, y, 0.0], [40.0, y, 0.0]];
+            Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], ends).expect("a rail")
+        };
+        let strip = Strip::polynomial("A", PanelKind::Plane, &rail(0.0), &rail(10.0)).expect("a strip");
+        let [a, b] = x.map(|x| x / 40.0);
+        let control = vec![[a, 0.0], [b, 0.0], [b, 1.0], [a, 1.0], [a, 0.0]];
+        let knots = Knots::clamped(1, &[0.0, 0.25, 0.5, 0.75, 1.0]).expect("knots");
+        let edge = control.iter().map(|q| strip.patch.point(q[0], q[1])).map(|p| [p.x, p.y, p.z]).collect();
+        let run = Coedge {
+            border: Border::Trim { edge: 0 },
+            vertices: Vec::new(),
+            parameters: Vec::new(),
+            edge: Curve { knots: knots.clone(), control: edge },
+            trim: Curve { knots, control },
+        };
+        Panel { outline: vec![vec![run]], ..Panel::from(strip) }
+    }
+
+    #[test]
+    fn corners_of_meshes_are_judged_on_the_panels_of_their_facets() {
+        let corners = [0.0, 20.0, 40.0].into_iter().flat_map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x, 10.0, 0.0)]);
+        let cloud = Cloud { points: corners.collect(), triangles: vec![[0, 2, 1], [1, 2, 3], [2, 4, 3], [3, 4, 5]] };
+        let panels = vec![panel([0.0, 20.0]), panel([20.0, 40.0])];
+        let strips: Vec<Strip> = panels.iter().map(|p| p.strip.clone()).collect();
+        let ended = Ended { keeps: vec![Some([0.0, 0.5]); 2], panels, ..Ended::whole(strips.clone()) };
+        let control = Control::default();
+        let certificate = points(&strips, &cloud.points, &control);
+        let judged = |facets: &[Vec<u32>]| -> Vec<f64> {
+            let proofs = proofs(&ended, &cloud, &certificate, Some(facets), 0.1, &control);
+            proofs.iter().map(|p| p.beyond_bound().value()).collect()
+        };
+        // Both whole strips hold all corners.
+        assert!(judged(&[vec![0, 1], vec![2, 3]]).iter().all(|b| *b < 1e-6));
+        // Corners of facets without a panel count where they are nearest; those of another panel's facets are missed.
+        assert!(judged(&[vec![0, 1], vec![]])[0] > 19.0);
+        assert!(judged(&[vec![0, 1, 2, 3], vec![]])[0] > 19.0);
+        let claims = claims_of_ends(&ended, &cloud, &certificate, Some(&[vec![0, 1, 2, 3], vec![]]), 0.1, &control);
+        let told = format!("{claims:?}");
+        assert!(told.contains("PointOutside { within: 0.3"), "{told}");
+    }
 }

@@ -18,6 +18,19 @@ pub(super) fn words(note: &FitNote) -> String {
         }
         FitNote::Given { faces, whole } => given(*faces, whole),
         FitNote::Gap { apart, usual, at, count, bulge_estimate } => gap([*apart, *usual], at, *count, *bulge_estimate),
+        FitNote::NoStrip { count, at, off } => {
+            let (stretches, one) = match count {
+                1 => ("One stretch between neighbouring rulings has".into(), "its"),
+                n => (format!("{n} stretches between neighbouring rulings have"), "the farthest one's"),
+            };
+            format!("{stretches} no strip: {one} middle, at {}, is up to {} from the strips as they are cut.", place(at), length(*off))
+        }
+        FitNote::OpenRing { apart, at } => format!(
+            "The rulings go around a ring that stays open for {} around {}, between the last and the first of them: there is no \
+             strip there. Where it is closed, give the first ruling once more as the last.",
+            length(*apart),
+            place(at)
+        ),
         FitNote::Lonely { count } => {
             format!("{count} points lie too far from others to belong to a surface; they are judged all the same.")
         }

@@ -203,6 +203,12 @@ pub(super) fn of_job(reason: &JobReason) -> String {
             angle_bound(*by),
             angle(*limit)
         ),
+        JobReason::Before { index, at, away } => format!(
+            "the strips are up to {} from the place given with plane {index}, {}, while they pass by those of most planes: they \
+             may end before it, or touch the plane elsewhere; a smaller tolerance, or planes that are closer together there, help",
+            length(*away),
+            place(at)
+        ),
         JobReason::Bare(share, at) => format!(
             "{} of the places on the mesh have no strip near them, for example around {}",
             percent(*share),
