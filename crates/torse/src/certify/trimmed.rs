@@ -661,8 +661,9 @@ mod tests {
         let (panel, _) = scan([0.0; 2]);
         let whole = Panel::from(panel.strip);
         // Rulings whose ends jump, twelve over the strip.
-        let place =
-            |k: u32| [f64::from(k / 2) / 12.0, if k % 2 == 0 { 0.05 } else { 0.8 + 0.1 * f64::from(k / 2 % 2) }];
+        let place = |k: u32| {
+            [f64::from(k / 2) / 12.0, if k.is_multiple_of(2) { 0.05 } else { 0.8 + 0.1 * f64::from(k / 2 % 2) }]
+        };
         let ends: Vec<Vec3> = (0..26).map(place).map(|q| whole.strip.patch.point(q[0], q[1])).collect();
         let between: Vec<[u32; 4]> = (0..12).map(|k| [0, 1, 2, 3].map(|i| 2 * k + i)).collect();
         let places = points(std::slice::from_ref(&whole.strip), &ends, &Control::default());

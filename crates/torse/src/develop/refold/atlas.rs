@@ -609,19 +609,23 @@ impl Atlas {
     /// Brings corners onto those of the outline, which are their exact images.
     fn snap(&mut self, part: &FlatPart, near: f64) {
         let mut pairs: Vec<(Vec2, Vec2)> = Vec::new();
+        let mut tips: Vec<(Vec2, Vec2)> = Vec::new();
         let short = BESIDE_TIP * self.size();
         for s in &self.sheets {
             let corners: Vec<Vec2> = s.panel.corners.iter().map(|uv| s.own_flat(*uv)).collect();
-            // Panels end a hair before their tips, where the drawing has one corner.
             let beside = |p: &Vec2| corners.iter().filter(|q| (*q - p).norm() <= short).count() > 1;
-            for own in corners.iter().filter(|p| !beside(p)) {
-                let own = if self.mirrored { Vec2::new(-own.x, own.y) } else { *own };
+            for corner in &corners {
+                let own = if self.mirrored { Vec2::new(-corner.x, corner.y) } else { *corner };
                 let at = self.motion.apply(&own);
                 let nearest = part.joints.iter().flatten().min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()));
                 if let Some(j) = nearest.filter(|j| (*j - at).norm() <= 4.0 * near) {
-                    pairs.push((own, *j));
+                    if beside(corner) { &mut tips } else { &mut pairs }.push((own, *j));
                 }
             }
+        }
+        // Panels end a hair before their tips, where the drawing has one corner: these count where there are no others.
+        if pairs.len() <= 2 {
+            pairs.append(&mut tips);
         }
         // Corners of which the nearest joint is another one are told by their distance after a first fit.
         for _ in 0..3 {

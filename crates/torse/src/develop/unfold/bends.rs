@@ -1,8 +1,7 @@
 //! Where a piece is bent: centre lines and extents, angles, radii, allowances, and an order to bend in.
 
 use super::chart::FlatRuling;
-use super::outline::POINT;
-use super::region::Region;
+use super::region::{Region, POINT};
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::brep::carrier::Carrier;

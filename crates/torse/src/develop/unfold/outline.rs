@@ -1,5 +1,6 @@
 //! Contours of a piece: the runs that are not inside it, chained, as lines and true arcs.
 
+use super::region::POINT;
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::develop::arcs::{arcs, circle, PlaneCurve};
@@ -65,8 +66,6 @@ impl PlaneCurve for FlatRun<'_> {
     }
 }
 
-/// Runs shorter than this share of the body are points.
-pub(super) const POINT: f64 = 1e-9;
 /// Ends of runs farther apart than this share of the body are joined by a line: allowances of sharp bends.
 const GAP: f64 = 1e-6;
 

@@ -1,7 +1,8 @@
 //! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
 
 use super::bends::{bends, SheetBend};
-use super::outline::{joint, outlines, placed_strips, strip_joints, Outline, POINT};
+use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
+use super::region::POINT;
 use super::sheet::{open, sheet, Sheet, ALIKE};
 use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};

@@ -52,6 +52,8 @@ impl Motion {
     }
 }
 
+/// Runs shorter than this share of the body are points.
+pub(super) const POINT: f64 = 1e-9;
 /// Points on every run of a boundary.
 const POINTS: usize = 48;
 /// Stretches of lines below this share of a region are none: sides without length, as at an apex, are met by chance.

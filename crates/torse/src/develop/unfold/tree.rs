@@ -3,8 +3,7 @@
 
 use super::allowance::KFactor;
 use super::chart::Chart;
-use super::outline::POINT;
-use super::region::{Motion, Region};
+use super::region::{Motion, Region, POINT};
 use crate::brep::body::{Body, Meeting, SMOOTH};
 use crate::brep::carrier::Carrier;
 use crate::geom::{BBox, Vec2, Vec3};
