@@ -47,6 +47,7 @@ use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
+pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
 pub(crate) use recount::{recounted, Recount};
 pub(in crate::search) use seam_line::SeamLine;
