@@ -66,17 +66,19 @@ pub(super) struct Limit<'a> {
     pub(super) best: &'a AtomicUsize,
     /// Rank of the cover that is limited.
     pub(super) rank: usize,
+    /// Panels with which it is given up in any case.
+    pub(super) most: usize,
 }
 
 impl Limit<'_> {
     /// The limit for a cover that competes with nothing but a number of panels.
     fn of(panels: &AtomicUsize) -> Limit<'_> {
-        Limit { best: panels, rank: 0 }
+        Limit { best: panels, rank: 0, most: usize::MAX }
     }
 
     /// Whether a cover of so many panels, or more, cannot win.
     fn excludes(&self, panels: usize) -> bool {
-        key(panels, self.rank) > self.best.load(Ordering::Relaxed)
+        panels > self.most || key(panels, self.rank) > self.best.load(Ordering::Relaxed)
     }
 
     /// Largest number of panels that may still win.
@@ -306,5 +308,21 @@ impl Job<'_> {
         }
         let size = state.bbox(label).diagonal();
         centre_line(&self.face.surface, field, state.partition.bounds(label), seed, size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cover_is_given_up_with_its_own_limit_or_that_of_the_best() {
+        let best = AtomicUsize::new(key(20, 3));
+        let limit = |most: usize, rank: usize| Limit { best: &best, rank, most };
+        let first_excluded = |l: Limit| (1..30).find(|&n| l.excludes(n));
+        // As many panels as the best has are good enough for a lower rank.
+        assert_eq!(first_excluded(limit(usize::MAX, 2)), Some(21));
+        assert_eq!(first_excluded(limit(usize::MAX, 4)), Some(20));
+        assert_eq!(first_excluded(limit(12, 2)), Some(13));
     }
 }

@@ -47,6 +47,7 @@ use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
+pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
 pub(crate) use recount::{recounted, Recount};
 pub(in crate::search) use seam_line::SeamLine;
@@ -73,6 +74,11 @@ const SWEEP_DEPTH: usize = 2;
 const SWEEP_COUNT: f64 = 18.0;
 /// … must promise less than this share of them: with many panels, sweeps take long.
 const PROMISED: f64 = 0.8;
+/// Sweeps end with this multiple of the panels that they promise, and so many more: bands that become narrower and narrower, as
+/// before a place where the face bends more sharply than panels may, would go on for long.
+const MOST_SWEPT: (f64, f64) = (4.0, 8.0);
+/// Budgets above this are not limited by any cover, or by the user.
+const UNLIMITED: usize = usize::MAX / 2;
 /// Level functions are not tried when they promise more than this multiple of the panels that marched straight bands
 /// leave to win.
 const BEATEN: f64 = 1.15;
@@ -93,6 +99,14 @@ struct Straight {
     /// Number of bands that theory promises, and how dense they must lie in equal parts of the function's range.
     promised: f64,
     density: Vec<f64>,
+}
+
+impl Straight {
+    /// Panels with which a sweep is given up.
+    fn most_swept(&self) -> usize {
+        // Endless promises say nothing; casts saturate.
+        (MOST_SWEPT.0 * self.promised + MOST_SWEPT.1) as usize
+    }
 }
 
 /// A covered face.
@@ -322,7 +336,9 @@ impl<'a> Job<'a> {
         if top && fewest {
             best = best.map(|b| self.evened(&state, label, b));
         }
-        if best.is_none() {
+        // A part that must do with what another cover leaves has had its chance: halves of it, and of every part around it in turn,
+        // need no fewer panels, and are without number.
+        if best.is_none() && (depth == 0 || budget > UNLIMITED) {
             if let Some(next) = self.bisect(state, label, budget, depth) {
                 limit = budget;
                 keep(next, &mut best, &mut limit);
@@ -417,7 +433,8 @@ impl<'a> Job<'a> {
             // Without a limit, directions of which nothing can be said are tried too.
             .filter(|(_, s)| most.is_infinite() || s.promised < most)
             .filter_map(|(rank, s)| {
-                let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank })?;
+                let most = s.most_swept();
+                let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank, most })?;
                 let n = Self::count(&next) - before;
                 incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
                 Some((n, rank, next))

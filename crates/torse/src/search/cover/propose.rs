@@ -50,6 +50,11 @@ const PEAK: f64 = 0.95;
 /// Refits with witnesses before a torse is given up.
 const REFITS: usize = 3;
 
+/// Smallest radius of curvature (mm) of panels on a face of a size (mm) within a tolerance (mm).
+pub(in crate::search) fn least_bend(size: f64, tolerance: f64) -> f64 {
+    (LEAST_BEND * tolerance).min(LEAST_BEND_SHARE * size)
+}
+
 /// Result of trying one torse on a region.
 pub(crate) struct Attempt {
     /// The torse, if proven.
@@ -211,8 +216,7 @@ impl Job<'_> {
 
     /// Smallest radius of curvature at which a patch can be laid around a panel, mm.
     fn patch_bend(&self) -> f64 {
-        let size = self.face.surface.bbox().diagonal();
-        (LEAST_BEND * self.options.tolerance).min(LEAST_BEND_SHARE * size)
+        least_bend(self.face.surface.bbox().diagonal(), self.options.tolerance)
     }
 
     /// Smallest radius of curvature that a panel may have, mm.

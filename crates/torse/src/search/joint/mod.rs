@@ -72,6 +72,8 @@ pub(crate) struct Asked<'a> {
     /// What distances count at places on the border of the face, where panels are to be nearer there than elsewhere; even a
     /// strip without neighbours is changed then.
     pub borders: Option<&'a BorderCounts<'a>>,
+    /// Largest distance (tolerances) of a sample with which what comes out is of use: steps end where it cannot be reached.
+    pub most: f64,
 }
 
 /// What the distance of a place on the border of a face counts.
@@ -133,6 +135,8 @@ pub(crate) struct Joint<'a> {
     /// Largest distance and gap to begin with, in tolerances.
     start: [f64; 2],
     steps: Vec<StepReport>,
+    /// See [`Asked::most`].
+    most: f64,
 }
 
 /// A face whose strips are to be joined: its cover, the lines between them and what is asked.
@@ -144,18 +148,20 @@ impl<'a> Joint<'a> {
     /// left.
     pub fn new(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
         let fleet = Fleet::of(start::network(face, state, chains, asked)?);
-        Some(Self { start: fleet.measured(), fleet, slots: vec![Some(0)], steps: Vec::new() })
+        let (start, most) = (fleet.measured(), asked.most);
+        Some(Self { start, fleet, slots: vec![Some(0)], steps: Vec::new(), most })
     }
 
     /// The same of several faces, which are to meet at places besides; `None` for faces that take no part, as above.
     pub fn of_faces(faces: Vec<Option<Beside<'a, '_>>>, meetings: &[Meeting]) -> Self {
+        let most = faces.iter().flatten().map(|f| f.3.most).fold(0.0, f64::max);
         let networks: Vec<Option<Network<'a>>> = faces
             .into_iter()
             .map(|f| f.and_then(|(face, state, chains, asked)| start::network(face, state, chains, asked)))
             .collect();
         let (mut fleet, slots) = Fleet::meeting(networks, meetings);
         fleet.networks.iter_mut().flat_map(|n| &mut n.members).for_each(|m| m.least *= LESS);
-        Self { start: fleet.measured(), fleet, slots, steps: Vec::new() }
+        Self { start: fleet.measured(), fleet, slots, steps: Vec::new(), most }
     }
 
     /// Places of a face that count from now on.
@@ -187,14 +193,16 @@ impl<'a> Joint<'a> {
     /// guaranteed*: any distance between samples; see `certify`. *Cost*: about as many factorisations as three programs have
     /// iterations, each of one block per strip.
     pub fn joined_all(&mut self, control: &Control) -> Vec<Option<Joined>> {
-        self.improve(control);
+        let (alone, begun) = (self.fleet.networks.len() == 1, !self.steps.is_empty());
+        self.improve(control, alone || !begun);
         // What cannot be had at one edge must not cost the others.
-        for _ in 0..LEFT.0 {
+        for left in (0..LEFT.0).rev() {
             let done = self.fleet.measured()[0] <= 1.0 || self.steps.len() >= LEFT.1;
             if done || control.stopped() || !self.fleet.leave_worst() {
                 break;
             }
-            self.improve(control);
+            // Some faces may be near enough in the end where others are not.
+            self.improve(control, left > 0 && !begun);
         }
         let found: Vec<Option<Joined>> =
             (0..self.fleet.networks.len()).map(|k| self.made(self.fleet.aimed(k))).collect();

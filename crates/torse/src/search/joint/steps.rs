@@ -31,6 +31,8 @@ const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
 /// Growth of the merit that is nothing.
 const NOTHING: f64 = 1e-3;
+/// Steps whose gains tell what is to be had of others.
+const LAST: usize = 2;
 /// Factors on the damping after good, poor and refused steps.
 const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
 /// See [`DAMPING`]: less changes nothing, and takes trials to be left again.
@@ -47,11 +49,20 @@ struct Attempt<'a> {
 }
 
 impl<'a> Joint<'a> {
-    /// Steps as long as they make the networks better.
-    pub(super) fn improve(&mut self, control: &Control) {
+    /// Whether the largest distance remains too far away after so many more steps, each of which gains no more than the best of the
+    /// last ones: the first steps gain the most.
+    fn is_hopeless(&self, left: usize) -> bool {
+        let reached: Vec<f64> = self.steps.iter().rev().take(LAST + 1).map(|s| s.reached[0]).collect();
+        let best = reached.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+        reached.len() > LAST && reached[0] - left as f64 * best > self.most
+    }
+
+    /// Steps as long as they make the networks better, and, where that is asked, as long as these may come near enough.
+    pub(super) fn improve(&mut self, control: &Control, near_enough: bool) {
         let begun = !self.steps.is_empty();
         let (mut damping, mut reach, mut far, mut count) = (1.0, 1.0, false, 0);
-        while count < (if far { FAR_STEPS } else { STEPS }) && !control.stopped() {
+        let most = |far: bool| if far { FAR_STEPS } else { STEPS };
+        while count < most(far) && !control.stopped() {
             let now = &self.fleet;
             let at = now.measured();
             far |= count == FAR.1 && at[0] > FAR.0;
@@ -113,6 +124,9 @@ impl<'a> Joint<'a> {
             self.fleet = fleet;
             self.steps.push(StepReport { reached, effort });
             count += 1;
+            if near_enough && self.is_hopeless(most(far) - count) {
+                return;
+            }
             let stalled = if reached[0] < 1.0 { STALLED.0 } else { STALLED.0 * STALLED.1 };
             if !is_part && (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1 && gained < stalled {
                 return;

@@ -51,7 +51,7 @@ fn zones(levels: &[f64]) -> (Face, State) {
 
 fn asked(held: &dyn Fn([u32; 2]) -> bool, tolerance: f64) -> Asked<'_> {
     static ALL: BTreeSet<u32> = BTreeSet::new();
-    Asked { held, without: &ALL, regular: 0.9, tolerance, borders: None }
+    Asked { held, without: &ALL, regular: 0.9, tolerance, borders: None, most: f64::INFINITY }
 }
 
 fn chains(face: &Face, state: &State) -> Vec<SeamChain> {

@@ -152,8 +152,8 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
         .iter()
         .zip(&held)
         .map(|(a, held)| {
-            let &Attempts { tolerance, borders, .. } = &a.as_ref()?.0;
-            Some(Asked { held: held.as_ref()?, without: &without, regular: REGULAR[0], tolerance, borders })
+            let &Attempts { tolerance, borders, most, .. } = &a.as_ref()?.0;
+            Some(Asked { held: held.as_ref()?, without: &without, regular: REGULAR[0], tolerance, borders, most })
         })
         .collect();
     let given = attempts.iter().zip(&asked).map(|(a, asked)| {
@@ -328,8 +328,8 @@ impl Attempts<'_> {
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
         let mut without = BTreeSet::new();
         for _ in 0..=EXCLUSIONS {
-            let (tolerance, held) = (self.tolerance, &stays);
-            let asked = Asked { held, without: &without, regular, tolerance, borders: self.borders };
+            let &Self { tolerance, borders: on_border, most, .. } = self;
+            let asked = Asked { held: &stays, without: &without, regular, tolerance, borders: on_border, most };
             let chains = borders(self.face, &base.partition).seam_chains();
             let mut joint = Joint::new(self.face, base, chains, &asked)?;
             match self.refined(base, &mut joint) {
