@@ -131,8 +131,8 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
     match answer.status() {
         Status::Certified => writeln!(out, "certified: {made}")?,
         Status::Uncertified => {
-            let in_part = answer.claims.iter().any(|c| c.what() == What::InPart);
-            let reason = words::reason(&answer.claims, &curves);
+            let in_part = answer.claims().iter().any(|c| c.what() == What::InPart);
+            let reason = words::reason(answer.claims(), &curves);
             let [head, why] = uncertified(&made, (&reason, in_part), &warning(answer));
             writeln!(out, "{head}")?;
             writeln!(out, "  {why}")?;

@@ -19,7 +19,7 @@ pub fn file_of(folder: &Path) -> Result<impl Fn(&str) -> Option<Vec<u8>> + Sync 
     Ok(move |name: &str| std::fs::read(folder.join(name)).ok())
 }
 
-/// Runs the job; `Ok(true)` means that no part was left out.
+/// Runs the job; `Ok(true)` means that no part was left out, and none is beyond the tolerance of the result.
 pub fn run(arguments: &Refold) -> Result<bool, Failure> {
     let folder = &arguments.folder;
     let file = file_of(folder)?;
@@ -47,5 +47,5 @@ pub fn run(arguments: &Refold) -> Result<bool, Failure> {
         let _ = write!(out, "{}", report.words());
         let _ = writeln!(out, "  written {}", made.display());
     }
-    Ok(report.left.is_empty())
+    Ok(report.is_within())
 }

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use torse::answer::marks::Marks;
 use torse::answer::presentation::present;
 use torse::answer::Answer;
-use torse::certify::claim::{Claim, Status, Subject};
+use torse::certify::claim::Status;
 use torse::develop::view::Drawn;
 use torse::io::bundle;
 use torse::io::cad::ReadError;
@@ -118,8 +118,8 @@ pub fn cones_of_panels(answer: &Answer, whole: f64, drawn: Drawn, control: &Cont
         .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))?;
     // Cones near panels are no nearer to the surface than these.
     if answer.status() == Status::Uncertified {
-        let why = answer.claims.iter().filter(|c| c.is_broken()).filter_map(|c| c.reason().cloned());
-        cones.claims.push(Claim::objection(Subject::Whole, JobReason::Panels(why.collect())));
+        let why = answer.claims().iter().filter(|c| c.is_broken()).filter_map(|c| c.reason().cloned());
+        cones.object(JobReason::Panels(why.collect()));
     }
     Ok(cones)
 }

@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = torse::read(&std::fs::read(&file)?)?;
     let found = torse::ruled(model.faces, model.skipped, &RuledOptions::new(10.0), &Control::default())?;
     println!("{:?}: {} strips", found.answer.status(), found.answer.patchwork.panels.len());
-    for claim in &found.answer.claims {
+    for claim in found.answer.claims() {
         println!("{:?}: {:.4} ({:?})", claim.what(), claim.value(), claim.evidence());
     }
     for ruling in found.rulings.iter().take(3) {

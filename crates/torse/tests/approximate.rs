@@ -10,7 +10,7 @@ use torse::answer::presentation::present;
 use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::certify;
-use torse::certify::claim::{Claim, Status, Subject};
+use torse::certify::claim::Status;
 use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::bundle;
@@ -290,7 +290,7 @@ fn numbers_rounded_for_export_are_part_of_the_bound() {
 fn too_few_panels_end_uncertified_with_witness_and_panels() {
     let o = run(TORUS, &Options { max_panels: Some(1), ..options(TOLERANCE) }).expect("an answer");
     assert_eq!(o.status(), Status::Uncertified, "one panel cannot be certified");
-    let reason = words::reason(&o.claims, &[]);
+    let reason = words::reason(o.claims(), &[]);
     assert!(!reason.is_empty());
     assert_eq!((o.patchwork.panels.len(), o.patterns.len()), (1, 1));
     let (uv, d) = o.certificate.as_ref().expect("a certificate").panels[0].witness.expect("a witness");
@@ -307,7 +307,7 @@ fn cancelled_work_answers_with_what_it_has() {
     control.cancel();
     let model = read(TORUS).expect("a model");
     let o = of_faces(model.faces, model.skipped, &options(0.5), &control).expect("an answer");
-    let reason = words::reason(&o.claims, &[]);
+    let reason = words::reason(o.claims(), &[]);
     assert!(reason.contains("ended early"), "{reason}");
     // A cover of the whole face with a bound that holds, far from what was asked for, and nothing of it to be cut.
     let bound = o.certificate.as_ref().expect("a certificate").deviation_bound;
@@ -354,17 +354,10 @@ fn what_must_not_be_cut_is_marked_in_every_file() {
     let mut o = torus().clone();
     let count = o.patchwork.panels.len();
     assert!(count > 1 && !Marks::of(&o).any());
-    let good = o.claims.clone();
-    o.claims.push(Claim::left_out(FaceReason::NotRuled));
-    assert!(!Marks::of(&o).any());
-    o.claims = good.clone();
-    o.claims.push(Claim::objection(Subject::Whole, JobReason::Stopped));
-    assert_eq!(Marks::of(&o).panels, vec![true; count]);
-    o.claims = good;
-    o.claims.push(Claim::objection(
-        Subject::Whole,
-        FaceReason::Limit { panel: "A-02".into(), limit: Limit::SheetWidth, value: 9.0, asked: 8.0, more: 0 },
-    ));
+    let mut stopped = o.clone();
+    stopped.object(JobReason::Stopped);
+    assert_eq!(Marks::of(&stopped).panels, vec![true; count]);
+    o.object(FaceReason::Limit { panel: "A-02".into(), limit: Limit::SheetWidth, value: 9.0, asked: 8.0, more: 0 });
     o.beyond_limits = vec![1];
     let marks = Marks::of(&o);
     assert!(marks.panels.iter().enumerate().all(|(k, m)| *m == (k == 1)) && marks.patterns == marks.panels);
@@ -452,7 +445,7 @@ fn seams_along_curves_are_kept() {
     let layout = Layout { seam_curves: vec![PanelCurve { name: "a loop".into(), shape }], ..Layout::default() };
     let o =
         of_faces(vec![plane], Vec::new(), &Options { layout, ..options(0.1) }, &Control::default()).expect("an answer");
-    assert_eq!((o.status(), o.patchwork.panels.len()), (Status::Certified, 2), "{:?}", o.claims);
+    assert_eq!((o.status(), o.patchwork.panels.len()), (Status::Certified, 2), "{:?}", o.claims());
 
     let shape = CurveShape::Section { normal: Vec3::x(), offset: 1e6 };
     let layout = Layout { seam_curves: vec![PanelCurve { name: "the seam".into(), shape }], ..Layout::default() };
@@ -641,7 +634,7 @@ fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the
     o.limits.min_bend_radius = Some(20_000.0);
     let out = run(TORUS, &o).expect("an answer");
     assert_eq!(out.status(), Status::Uncertified);
-    let why = words::reason(&out.claims, &[]);
+    let why = words::reason(out.claims(), &[]);
     assert!(why.contains("attempts whose panels bend with a radius of 20000 mm"), "{why}");
     // Deviation and cover are proven; only the bends are sharper than asked for.
     let certificate = out.certificate.as_ref().expect("a certificate");

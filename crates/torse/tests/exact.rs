@@ -17,7 +17,7 @@ const PIPE: &[u8] = include_bytes!("../../../data/cylinder_holes.step");
 fn panels(faces: Vec<Face>, tolerance: f64) -> Answer {
     let options = Options::new(tolerance);
     let out = of_faces(faces, Vec::new(), &options, &Control::default()).expect("an answer");
-    assert_eq!(out.status(), Status::Certified, "{}", torse::io::words::reason(&out.claims, &[]));
+    assert_eq!(out.status(), Status::Certified, "{}", torse::io::words::reason(out.claims(), &[]));
     out
 }
 

@@ -66,7 +66,7 @@ fn patterns_of_chains_are_proven_about_as_closely_as_they_are_drawn() {
     let [a, b] = rails();
     let hull = torse::hull(&[a, b], &Hull::new(TOLERANCE), &Control::default()).expect("strips");
     for (name, answer) in [("duct", duct()), ("hopper", hull), ("chute", chute()), ("shell", over_a_parabola(0.6))] {
-        assert_eq!(answer.status(), Status::Certified, "{name}: {}", words::reason(&answer.claims, &[]));
+        assert_eq!(answer.status(), Status::Certified, "{name}: {}", words::reason(answer.claims(), &[]));
         assert!(!answer.flat.is_empty() && answer.flat.len() == answer.patterns.len(), "{name}");
         for (f, p) in answer.flat.iter().zip(&answer.patterns) {
             assert!(f.holds(), "{name}: {:?}", f.reason());
@@ -105,7 +105,7 @@ fn a_duct_from_square_to_round_is_proven_from_its_file() {
     let model = torse::read(&step.1).expect("a model");
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(TOLERANCE) };
     let flat = torse::unroll(&model, &options, &Control::default()).expect("parts");
-    assert_eq!((model.faces.len(), flat.status()), (8, Status::Certified), "{:?}", flat.claims);
+    assert_eq!((model.faces.len(), flat.status()), (8, Status::Certified), "{:?}", flat.claims());
     let laid: f64 = flat.patterns.iter().map(|p| p.area).sum();
     assert!((laid - area).abs() < 1e-5 * area, "{laid} {area}");
 }
@@ -143,7 +143,7 @@ fn a_long_free_edge_is_drawn_in_few_arcs() {
     };
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.05) };
     let flat = torse::unroll(&model, &options, &Control::default()).expect("a part");
-    assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims);
+    assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims());
     let contour = &flat.patterns[0].contours[0].vertices;
     // Corners begin the four sides.
     let corners: Vec<usize> = (0..contour.len()).filter(|k| contour[*k].corner).collect();
@@ -239,13 +239,13 @@ fn written(answer: &Answer) -> Vec<File> {
 #[test]
 fn exact_cones_are_read_back_and_any_other_face_is_named() {
     for answer in [chute(), over_a_parabola(1.0), over_a_parabola(0.6)] {
-        assert_eq!(answer.status(), Status::Certified, "{}", words::reason(&answer.claims, &[]));
+        assert_eq!(answer.status(), Status::Certified, "{}", words::reason(answer.claims(), &[]));
         let files = written(&answer);
         let told = |files: &[File]| {
             let mut a = answer.clone();
             deliver::judge(&mut a, files);
             let found = a.written.iter().find(|w| w.0 == "cones.step").map(|w| w.1.clone()).expect("it is read back");
-            (a.status(), found, words::reason(&a.claims, &[]))
+            (a.status(), found, words::reason(a.claims(), &[]))
         };
         let (status, found, reason) = told(&files);
         assert_eq!(status, Status::Certified, "{reason}");

@@ -77,7 +77,7 @@ fn commutes(share: f64, make: impl Fn(&Similarity) -> Answer) {
     for s in others {
         let made = make(&s);
         let counts = |a: &Answer| (a.status(), a.patchwork.panels.len(), a.parts.len(), a.patterns.len());
-        assert_eq!(counts(&made), counts(&first), "scale {}: {:?} {:?}", s.scale, made.claims, made.notes);
+        assert_eq!(counts(&made), counts(&first), "scale {}: {:?} {:?}", s.scale, made.claims(), made.notes);
         let (area, length) = (sum(&first, |p| p.area), sum(&first, |p| p.length));
         let off = (sum(&made, |p| p.area) / (s.scale * s.scale) - area).abs();
         assert!(off < share * area, "scale {}: area {off} of {area}", s.scale);

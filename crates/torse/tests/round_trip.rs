@@ -64,7 +64,7 @@ fn faces_are_read_back_from_every_format_with_their_areas() {
         };
         let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.01) };
         let mut answer = torse::unroll(&model, &options, &Control::default()).expect("a part");
-        assert_eq!(answer.status(), Status::Certified, "part {k}: {:?}", answer.claims);
+        assert_eq!(answer.status(), Status::Certified, "part {k}: {:?}", answer.claims());
         (answer.cut.iges, answer.cut.threedm) = (true, true);
         let files = bundle::geometry(&answer, &present(&answer), "2026-01-01T00:00:00").expect("files");
         let mut first = None;

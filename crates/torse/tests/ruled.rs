@@ -63,7 +63,7 @@ fn proven(found: &RuledAnswer) -> f64 {
 #[test]
 fn a_hyperbolic_paraboloid_is_one_strip_and_exact() {
     let found = made(graph(|x, y| x * y / 2000.0), &RuledOptions::new(1.0)).expect("an answer");
-    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims);
+    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
     assert_eq!(found.answer.patchwork.panels.len(), 1);
     assert!(proven(&found) < 0.05, "{}", proven(&found));
     // Its rulings are lines x = const or y = const.
@@ -76,7 +76,7 @@ fn a_hyperbolic_paraboloid_is_one_strip_and_exact() {
 #[test]
 fn the_inner_part_of_a_torus_is_smooth_and_within_a_hundredth_of_its_radius() {
     let found = made(torus(), &with_width(10.0, 400.0)).expect("an answer");
-    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims);
+    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
     let panels = &found.answer.patchwork.panels;
     assert!(panels.len() >= 4 && panels.len() <= 12, "{}", panels.len());
     assert!(proven(&found) <= 10.0);
@@ -109,7 +109,7 @@ fn developable_faces_are_one_strip_each() {
     let model = torse::read(include_bytes!("../../../data/bracket.step")).expect("a bracket");
     let count = model.faces.len();
     let found = of_faces(model.faces, Vec::new(), &RuledOptions::new(0.1), &Control::default()).expect("an answer");
-    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims);
+    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
     assert_eq!(found.answer.patchwork.panels.len(), count);
     assert!(found.answer.seconds < 20.0, "{}", found.answer.seconds);
 }
@@ -127,7 +127,7 @@ fn what_is_too_far_is_told_with_its_bound() {
 #[test]
 fn a_planar_point_is_cut_and_a_flat_face_is_one_strip() {
     let monkey = made(graph(|x, y| (x * x * x - 3.0 * x * y * y) / 7e6), &RuledOptions::new(10.0)).expect("an answer");
-    assert_eq!(monkey.answer.status(), Status::Certified, "{:?}", monkey.answer.claims);
+    assert_eq!(monkey.answer.status(), Status::Certified, "{:?}", monkey.answer.claims());
     // Joins of its pieces are not smoothed, but counted.
     let kink = monkey.answer.claim(What::Kink).expect("a claim").value();
     assert!(kink > 1.0 && kink < 30.0, "{kink}");
@@ -209,7 +209,7 @@ fn conoidal_strips_have_rulings_parallel_to_a_plane() {
     let mut options = RuledOptions::new(10.0);
     options.strips.conoidal = true;
     let found = made(torus(), &options).expect("an answer");
-    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims);
+    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
     assert_eq!(found.directing.len(), found.answer.patchwork.panels.len());
     for (panel, m) in found.answer.patchwork.panels.iter().zip(&found.directing) {
         let m = m.expect("a plane");

@@ -26,13 +26,17 @@ pub fn bowl() -> &'static Answer {
 
 /// A pipe is cut into equal fields on its flat pattern: the fewest that fit, not halves of halves.
 #[test]
-fn a_developable_face_is_cut_into_few_fields_that_fit_the_sheet() {
+fn a_developable_face_is_cut_into_few_fields_that_fit() {
     let sheet = Some([400.0, 500.0]);
     let a = answer(PIPE, 0.5, Limits { sheet, ..Limits::default() });
     assert_eq!(a.status(), Status::Certified);
     assert!(a.patterns.iter().all(|p| p.width <= 400.0 && p.length <= 500.0));
     // 800 mm by 1571 mm less the holes.
     assert!(a.patterns.len() <= 8, "{}", a.patterns.len());
+    // A length counts both ways: no pattern is wider than long.
+    let a = answer(PIPE, 0.5, Limits { max_length: Some(420.0), ..Limits::default() });
+    assert_eq!((a.status(), a.patterns.len()), (Status::Certified, 8));
+    assert!(a.patterns.iter().all(|p| p.length <= 420.0));
 }
 
 /// Strips that are too long are cut where all of them are, or the face is covered in sections.

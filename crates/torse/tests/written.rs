@@ -100,10 +100,10 @@ fn panels_with_poles_and_panels_that_share_edges_are_read_back_as_judged() {
     let meeting = run(include_bytes!("../../../data/half_bowl.step"), 10.0, true);
     let pipe = run(include_bytes!("../../../data/cylinder_holes.step"), 1.0, false);
     for (mut o, meet) in [(meeting, true), (super::shop::bowl().clone(), false), (pipe, false)] {
-        assert_eq!(o.status(), Status::Certified, "{}", words::reason(&o.claims, &[]));
+        assert_eq!(o.status(), Status::Certified, "{}", words::reason(o.claims(), &[]));
         let written = bundle::geometry(&o, &present(&o), "2026-01-01T00:00:00").expect("files");
         deliver::judge(&mut o, &written);
-        assert_eq!(o.status(), Status::Certified, "{}", words::reason(&o.claims, &[]));
+        assert_eq!(o.status(), Status::Certified, "{}", words::reason(o.claims(), &[]));
         if meet {
             // Curves that run backwards have rounded knots; what these move is known.
             assert!(o.written[0].1.bound() < 1e-9, "{:?}", o.written);
@@ -149,7 +149,7 @@ fn any_other_file_loses_it_and_is_named() {
         let mut o = answer().clone();
         deliver::judge(&mut o, &tampered(file, after, from, to));
         assert_eq!(o.status(), Status::Uncertified, "{file}: {from} became {to} unseen");
-        let reason = words::reason(&o.claims, &[]);
+        let reason = words::reason(o.claims(), &[]);
         assert!(reason.contains(file), "{reason}");
     }
 }
@@ -170,12 +170,12 @@ fn lofted() -> Answer {
 #[test]
 fn strips_are_read_back_too() {
     let answer = lofted();
-    assert_eq!(answer.status(), Status::Certified, "{}", words::reason(&answer.claims, &[]));
+    assert_eq!(answer.status(), Status::Certified, "{}", words::reason(answer.claims(), &[]));
     let all = torse::io::bundle::geometry(&answer, &present(&answer), "2026-01-01T00:00:00").expect("files");
     let judged = |files: &[File]| {
         let mut s = answer.clone();
         deliver::judge(&mut s, files);
-        (s.status(), words::reason(&s.claims, &[]))
+        (s.status(), words::reason(s.claims(), &[]))
     };
     assert_eq!(judged(&all), (Status::Certified, String::new()));
     for (file, after, from, to) in [

@@ -215,7 +215,7 @@ fn conjugate(save: &dyn Fn(&str, &Image) -> Result<()>) -> Result<()> {
     let answer: Answer = torse::shape(&job, &torse::Shape::new(1.0), &|name| Err(name.into()), &Control::default())?;
     let mut panels: Vec<PanelShape> = answer.strips().map(|s| shape(s, 25.0)).collect();
     panels.push(given);
-    let distance = answer.claims.iter().find(|c| torse::io::words::id(c.what()) == "target_distance");
+    let distance = answer.claims().iter().find(|c| torse::io::words::id(c.what()) == "target_distance");
     let note = format!(
         "{:?}: strips and surface within {:.2} mm of each other (proven)",
         answer.status(),

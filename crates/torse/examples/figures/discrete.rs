@@ -302,10 +302,9 @@ fn mixed() -> Result<Answer> {
     let strips: Vec<Strip> = QuadStrip::new(a, b)?.faces("A")?;
     let chain: Vec<&Strip> = strips.iter().collect();
     let patterns = pattern(&chain, 0, "A", &StripOptions::new(0.01)).into_iter().collect();
-    Ok(Answer {
-        parts: vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }],
-        patchwork: Patchwork::of_strips(strips),
-        patterns,
-        ..Answer::new(Job::Planarise, "mixed", 1e-3)
-    })
+    let mut answer = Answer::new(Job::Planarise, "mixed", 1e-3);
+    answer.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
+    answer.patchwork = Patchwork::of_strips(strips);
+    answer.patterns = patterns;
+    Ok(answer)
 }

@@ -9,7 +9,6 @@ use std::path::Path;
 use torse::answer::presentation::present;
 use torse::answer::Answer;
 use torse::brep::space_curve::SpaceCurve;
-use torse::certify::claim::Subject;
 use torse::control::Control;
 use torse::design::loft::branches::BranchType;
 use torse::draw::picture::{self, Caption};
@@ -89,13 +88,11 @@ fn only(all: &Answer, wanted: impl Fn(&Vec3) -> bool) -> Answer {
         wanted(&((p + q) * 0.5))
     };
     let keep: Vec<bool> = all.strips().map(chosen).collect();
-    let mut out = all.clone();
+    let mut out = Answer::new(all.job, &all.input, all.tolerance);
     let strips: Vec<Strip> = all.strips().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
     out.fields = all.fields.iter().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
-    out.claims = all.claims_of(Subject::Whole).cloned().collect();
     out.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
     out.patchwork = Patchwork::of_strips(strips);
-    out.patterns.clear();
     out
 }
 

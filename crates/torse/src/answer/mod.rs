@@ -21,6 +21,7 @@ use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::Reason;
 use crate::search::build::AlongCurve;
 use crate::search::strips::cut::Laid;
 use crate::torse::cone::part::ConeBody;
@@ -135,7 +136,7 @@ pub struct Answer {
     /// Tolerance asked for, mm.
     pub tolerance: f64,
     /// What is said of the whole and of single panels; the status is computed from these and from nothing else.
-    pub claims: Vec<Claim>,
+    pub(crate) claims: Vec<Claim>,
     /// Panels, and the faces that they cover if there are any: then every panel covers a part of one. Neighbours within a
     /// part follow each other.
     pub patchwork: Patchwork,
@@ -229,6 +230,16 @@ impl Answer {
     /// How the job ended.
     pub fn status(&self) -> Status {
         Status::of(&self.claims)
+    }
+
+    /// Everything that is said of the whole and of single panels.
+    pub fn claims(&self) -> &[Claim] {
+        &self.claims
+    }
+
+    /// Says what is wrong with the whole: the answer is not certified any more.
+    pub fn object(&mut self, reason: impl Into<Reason>) {
+        self.claims.push(Claim::objection(Subject::Whole, reason));
     }
 
     /// What is said of the whole or of a panel, without objections.

@@ -63,6 +63,11 @@ impl WrittenCertificate {
         self.reason.as_ref()
     }
 
+    /// Of a file that is not compared, since what it should hold is not what was judged.
+    pub(crate) fn refused(fault: WrittenFault) -> Self {
+        Self::of(Err(fault.into()))
+    }
+
     pub(super) fn of(found: Result<f64, Reason>) -> Self {
         match found {
             Ok(bound) => Self { bound, reason: None },
@@ -75,7 +80,7 @@ impl WrittenCertificate {
 pub fn of<T>(read: Result<T, String>, compare: impl FnOnce(&T) -> WrittenCertificate) -> WrittenCertificate {
     match read {
         Ok(found) => compare(&found),
-        Err(words) => WrittenCertificate::of(Err(WrittenFault::Unreadable(words).into())),
+        Err(words) => WrittenCertificate::refused(WrittenFault::Unreadable(words)),
     }
 }
 

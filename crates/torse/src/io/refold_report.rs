@@ -83,7 +83,19 @@ impl RefoldPanel {
     }
 }
 
+impl RefoldPart {
+    /// Whether it is farther from its part in space than a tolerance (mm): as measured, or as far as is proven.
+    fn is_beyond(&self, tolerance: f64) -> bool {
+        self.distance_estimate.max(self.distance_bound.unwrap_or(0.0)) > tolerance
+    }
+}
+
 impl RefoldReport {
+    /// Whether every part was bent back and none is beyond the tolerance of the result.
+    pub fn is_within(&self) -> bool {
+        self.left.is_empty() && !self.parts.iter().any(|p| p.is_beyond(self.tolerance))
+    }
+
     /// Notes that a part is missing from one of the files; `reason` names it.
     pub fn note_missing(&mut self, file: &str, reason: &str) {
         self.notes.push(format!("not in {file}: {reason}"));
@@ -139,10 +151,16 @@ impl RefoldReport {
                 };
             }
         }
-        if self.parts.iter().any(|p| p.matched_estimate > self.tolerance) {
-            out.push_str(
-                "  Parts beyond the tolerance of the result may still be right: between the lines that are drawn the turn of the \
-                 sheet is not in the files. More lines (--bend-step) bring them nearer.\n",
+        let beyond: Vec<&str> =
+            self.parts.iter().filter(|p| p.is_beyond(self.tolerance)).map(|p| p.name.as_str()).collect();
+        if !beyond.is_empty() {
+            _ = writeln!(
+                out,
+                "  beyond the tolerance of the result, {}, or not shown to be within: {}. If no file was changed, the parts may still be \
+                 right: between the lines that are drawn the turn of the sheet is not in the files. More lines (--bend-step) bring them \
+                 nearer.",
+                length(self.tolerance),
+                beyond.join(", "),
             );
         }
         for [name, reason] in &self.left {

@@ -91,6 +91,9 @@ fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
     if let Some(cones) = &answer.cones {
         return written::of(step::read::own::exact(bytes), |faces| written_cones::cones(&cones.bodies, faces));
     }
+    if answer.certificate.as_ref().is_some_and(|c| !c.is_of(&answer.patchwork)) {
+        return WrittenCertificate::refused(WrittenFault::OtherPanels);
+    }
     if answer.patchwork.panels.iter().any(|p| !p.loops().is_empty()) {
         return written::of(step::read::own::faces(bytes), |faces| written::panels(&answer.patchwork, faces));
     }

@@ -114,6 +114,8 @@ pub enum WrittenFault {
     EdgesMoved(f64),
     /// Why a piece has no patch of its own, as an error says it.
     Piece(String),
+    /// The panels are not those that were judged.
+    OtherPanels,
 }
 
 impl From<Differs> for WrittenFault {

@@ -67,7 +67,7 @@ pub struct AlongCurve {
 pub(crate) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, [usize; 2])> {
     let parts = |size: f64, limit: Option<f64>| limit.map_or(1, |l| (size / l).ceil().clamp(1.0, MOST_PARTS) as usize);
     let of = |p: &Pattern| {
-        let across = parts(p.strip_width(), limits.max_width).max(parts(p.width, limits.sheet_width()));
+        let across = parts(p.strip_width(), limits.max_width).max(parts(p.width, limits.widest_pattern()));
         let parts = [parts(p.length, limits.longest()), across];
         (parts != [1, 1]).then(|| Some((built.patchwork.panels[p.panel].label()?, parts)))?
     };

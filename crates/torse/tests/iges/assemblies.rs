@@ -131,6 +131,36 @@ fn what_is_not_read_is_named() {
     assert!(e.to_string().contains("CSG"), "{e}");
 }
 
+/// Entities of types that the format does not have may hold faces, and a curve that bounds nothing hides no surface.
+#[test]
+fn entities_of_unknown_types_are_losses_and_their_surfaces_stay() {
+    let mut f = File::new();
+    f.rectangle(entry(128), 1.0, 1.0);
+    let surface = f.rectangle(entry(128), 2.0, 1.0);
+    let c = f.polygon(&[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.]], PART);
+    let bound = f.add(entry(142), &format!("0,{surface},0,{c},2"));
+    let unknown = f.add(entry(599), &format!("{surface},1,0,{bound}"));
+    let m = read::read(&f.bytes()).expect("a model");
+    assert_eq!((m.faces.len(), m.skipped.len()), (2, 1), "{:?}", m.skipped);
+    assert!(m.skipped[0].entity == Some(unknown) && why(&m.skipped[0].reason).contains("not known"));
+    // A part of what is not known has a boundary that is not known.
+    let mut f = File::new();
+    f.rectangle(entry(128), 1.0, 1.0);
+    let part = f.rectangle(Entry { status: PART, ..entry(128) }, 2.0, 1.0);
+    f.add(entry(599), &format!("{part},1,0"));
+    let m = read::read(&f.bytes()).expect("a model");
+    assert_eq!((m.faces.len(), m.skipped.len()), (1, 2), "{:?}", m.skipped);
+    // What bounds nothing, though it is a part, has bounded something.
+    let mut f = File::new();
+    f.rectangle(entry(128), 1.0, 1.0);
+    let part = f.rectangle(Entry { status: PART, ..entry(128) }, 2.0, 1.0);
+    let c = f.polygon(&[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.]], PART);
+    let bound = f.add(Entry { status: PART, ..entry(142) }, &format!("0,{part},0,{c},2"));
+    f.add(entry(422), &format!("{part},1,0,{bound}"));
+    let m = read::read(&f.bytes()).expect("a model");
+    assert_eq!((m.faces.len(), m.skipped.len(), m.skipped[0].entity), (1, 1, Some(bound)));
+}
+
 #[test]
 fn circles_of_references_end() {
     let mut f = File::new();

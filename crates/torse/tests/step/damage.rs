@@ -177,3 +177,36 @@ proptest! {
         survives(out.as_bytes());
     }
 }
+
+/// Faces whose kind a damaged letter hides are members of a shell all the same, and what is made of faces is a loss, whatever it
+/// is called.
+#[test]
+fn what_shells_and_representations_list_is_named_where_it_is_not_read() {
+    let two = || {
+        let mut s = Step::new(Unit::Millimetre);
+        let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+        for x in [0., 10.] {
+            let square = s.polygon(&[[x, 0., 0.], [x + 9., 0., 0.], [x + 9., 9., 0.], [x, 9., 0.]]);
+            s.face("", plane, &[(square, true)], true);
+        }
+        s
+    };
+    let whole = two().text();
+    let named = |text: &str| {
+        let m = read(text.as_bytes()).expect("a model");
+        (m.faces.len(), m.skipped.len())
+    };
+    assert_eq!(named(&whole), (2, 0));
+    for other in ["ADVANCED_FACF", "advanced_face", "WRINKLE"] {
+        assert_eq!(named(&whole.replacen("ADVANCED_FACE", other, 1)), (1, 1), "{other}");
+    }
+    for other in
+        ["RIGHT_ANGULAR_WEDGE('',$,1.,1.,1.,0.5)", "TETRAHEDRON('',($))", "TRIANGULATED_FACE('',$,0,$,$,(),())"]
+    {
+        let mut s = two();
+        let item = s.add(other);
+        s.geometric_set(&[item]);
+        let m = read(s.text().as_bytes()).expect("a model");
+        assert_eq!((m.faces.len(), m.skipped[0].entity), (2, Some(item)), "{other}");
+    }
+}

@@ -83,7 +83,7 @@ fn status(faces: Vec<Face>, tolerance: f64) -> (Status, String) {
         drawn: Default::default(),
     };
     let outcome = of_faces(faces, Vec::new(), &options, &Control::default()).expect("an outcome");
-    (outcome.status(), words::reason(&outcome.claims, &[]))
+    (outcome.status(), words::reason(outcome.claims(), &[]))
 }
 
 #[test]

@@ -125,11 +125,11 @@ fn checked_limits(limits: &Limits) -> Result<(), ApproximateError> {
     if let Some((name, value)) = limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
         return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
     }
-    match limits.min_width.zip(limits.widest()) {
-        Some((least, greatest)) if least > greatest => Err(ApproximateError::Widths { least, greatest }),
-        _ => match limits.min_width.zip(limits.longest()) {
-            // No pattern is wider than long.
-            Some((least, longest)) if least >= longest => Err(ApproximateError::WiderThanLong { least, longest }),
+    match limits.min_width.zip(limits.longest()) {
+        // No pattern is wider than long.
+        Some((least, longest)) if least >= longest => Err(ApproximateError::WiderThanLong { least, longest }),
+        _ => match limits.min_width.zip(limits.widest()) {
+            Some((least, greatest)) if least > greatest => Err(ApproximateError::Widths { least, greatest }),
             _ => Ok(()),
         },
     }

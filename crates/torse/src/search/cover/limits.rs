@@ -51,9 +51,14 @@ impl Limits {
         least(self.max_length, self.sheet_length())
     }
 
-    /// Greatest width that anything allows, of strip or sheet.
+    /// Greatest width that anything allows, of strip or pattern: no pattern is wider than long.
     pub fn widest(&self) -> Option<f64> {
-        least(self.max_width, self.sheet_width())
+        least(self.max_width, self.widest_pattern())
+    }
+
+    /// Greatest width of the smallest rectangle around a pattern.
+    pub(crate) fn widest_pattern(&self) -> Option<f64> {
+        least(self.max_length, self.sheet_width())
     }
 }
 

@@ -87,13 +87,17 @@ pub(super) fn census(records: &Records) -> Census {
     for (number, _) in records.unlisted.iter().filter(|(_, kind)| may_hold_faces(*kind)) {
         walk.out.faults.push(Fault::new(*number, "its entry in the directory is lost"));
     }
+    for e in records.all().filter(|e| e.kind == CURVE_ON_SURFACE && e.dependent && !referred.contains(&e.number)) {
+        walk.out.faults.push(Fault::new(e.number, "it bounds something that is lost"));
+    }
     let mut orphans = 0;
+    let is_incomplete = !records.lost.is_empty() || records.all().any(|e| !is_known(e.kind));
     // Groups and copies first, so that their members belong to them.
     for groups in [true, false] {
         for e in records.all().filter(|e| !referred.contains(&e.number) && is_group(e) == groups) {
             let here = Here { flipped: false, placement: &place, part: &top, body: 1, depth: 0 };
             if is_face(e.kind) && e.dependent {
-                if !records.lost.is_empty() {
+                if is_incomplete {
                     let what = "it is a part of something that is lost, so that its boundary is not known";
                     walk.out.faults.push(Fault::new(e.number, what));
                     continue;
@@ -130,10 +134,18 @@ fn is_group(e: &Entry) -> bool {
     (e.kind == 402 && GROUPS.contains(&e.form)) || matches!(e.kind, 186 | 408 | 420 | 430 | 514)
 }
 
-/// Entities that others are made of.
+/// Entities that others are made of. A curve on a surface that bounds nothing does not make a surface that stands for itself a part
+/// of it.
 fn referred(records: &Records) -> HashSet<u64> {
-    records.all().flat_map(|e| children(e).unwrap_or_default()).collect()
+    let by = |e: &Entry| children(e).unwrap_or_default();
+    let all: HashSet<u64> = records.all().flat_map(by).collect();
+    let is_loose = |e: &Entry| e.kind == CURVE_ON_SURFACE && !all.contains(&e.number);
+    let hidden = |e: &Entry, part: u64| !is_loose(e) || records.entry(part).is_none_or(|e| e.dependent);
+    records.all().flat_map(|e| by(e).into_iter().filter(move |p| hidden(e, *p))).collect()
 }
+
+/// Type of curves on parametric surfaces.
+const CURVE_ON_SURFACE: u32 = 142;
 
 /// Types of parts that are copied, and of their copies.
 const PARTS: [u32; 2] = [308, 320];
@@ -213,6 +225,18 @@ pub(super) fn children(e: &Entry) -> Result<Vec<u64>, Fault> {
     Ok(out)
 }
 
+/// Types of entities that IGES 5.3 has.
+const KNOWN: [u32; 90] = [
+    0, 100, 102, 104, 106, 108, 110, 112, 114, 116, 118, 120, 122, 123, 124, 125, 126, 128, 130, 132, 134, 136, 138,
+    140, 141, 142, 143, 144, 146, 148, 150, 152, 154, 156, 158, 160, 161, 162, 164, 168, 180, 182, 184, 186, 190, 192,
+    194, 196, 198, 202, 204, 206, 208, 210, 212, 213, 214, 216, 218, 220, 222, 228, 230, 302, 304, 306, 308, 310, 312,
+    314, 316, 320, 322, 402, 404, 406, 408, 410, 412, 414, 416, 418, 420, 422, 430, 502, 504, 508, 510, 514,
+];
+
+fn is_known(kind: u32) -> bool {
+    KNOWN.binary_search(&kind).is_ok()
+}
+
 /// Why an entity at the top of a file is a loss.
 fn loss(kind: u32) -> Option<&'static str> {
     match kind {
@@ -222,6 +246,7 @@ fn loss(kind: u32) -> Option<&'static str> {
         134 | 136 | 138 => Some("finite elements are not read; export surfaces"),
         412 | 414 => Some("arrays of copies are not read; explode them before export"),
         416 => Some("it refers to another file; export the model as one file"),
+        kind if !is_known(kind) => Some("entities of this type are not known, and may hold faces"),
         _ => None,
     }
 }

@@ -32,21 +32,23 @@ impl<'r, 'a> Walk<'r, 'a> {
             | "CONNECTED_FACE_SUB_SET"
             | "SURFACED_OPEN_SHELL"
             | "SHELL_BASED_SURFACE_MODEL"
-            | "FACE_BASED_SURFACE_MODEL"
-            | "GEOMETRIC_SET"
-            | "SHELL_BASED_WIREFRAME_MODEL" => {
+            | "FACE_BASED_SURFACE_MODEL" => {
+                self.members(a.references(1)?, Here { of_faces: true, ..here });
+                Ok(())
+            }
+            "GEOMETRIC_SET" | "SHELL_BASED_WIREFRAME_MODEL" => {
                 self.members(a.references(1)?, here);
                 Ok(())
             }
             "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
                 let flipped = here.flipped == a.logical(3, true);
-                self.members(vec![a.reference(2)?], Here { flipped, ..here });
+                self.members(vec![a.reference(2)?], Here { flipped, of_faces: true, ..here });
                 Ok(())
             }
             // Written in parts, a solid ends with another keyword.
             name if is_solid(name) || record.parts.iter().any(|p| is_solid(p.name)) => {
                 let shells = shells(id, record, &a)?;
-                self.in_own_body(|w| w.members(shells, here));
+                self.in_own_body(|w| w.members(shells, Here { of_faces: true, ..here }));
                 Ok(())
             }
             "MAPPED_ITEM" => self.mapped(&a, here),
@@ -61,7 +63,13 @@ impl<'r, 'a> Walk<'r, 'a> {
                 self.occurs(id, here);
                 Ok(())
             }
-            name if self.is_loss(name, &a) => Err(Fault::new(id, format!("an item of kind {name} is not read"))),
+            name if here.of_faces || self.is_loss(id, record, &a) => {
+                Err(Fault::new(id, format!("an item of kind {name} is not read")))
+            }
+            "TRIANGULATED_SURFACE_SET" | "COMPLEX_TRIANGULATED_SURFACE_SET" => {
+                self.out.notes.push(format!("the triangles of #{id} are not read: annotations are drawn so"));
+                Ok(())
+            }
             _ => Ok(()),
         }
     }
@@ -124,22 +132,32 @@ impl<'r, 'a> Walk<'r, 'a> {
         Ok(())
     }
 
-    /// Whether an item that is not read is a loss. Solids of other kinds hold faces that would be missed; points, curves,
-    /// axes and annotations do not. Triangles beside the exact shape that they name are no loss; on their own they are
-    /// the shape.
-    fn is_loss(&self, name: &str, a: &Args) -> bool {
-        match name {
+    /// Whether an item of a representation that is not read is a loss. Solids of other kinds hold faces that would be missed, and so
+    /// does what is made of faces or bounded by loops, whatever it is called; points, curves, axes and annotations do not. Triangles
+    /// beside the exact shape that they name are no loss; on their own they are the shape.
+    fn is_loss(&self, id: u64, record: &Record, a: &Args) -> bool {
+        match record.name() {
             "TESSELLATED_SOLID" | "TESSELLATED_SHELL" => {
                 let beside = a.values.last().and_then(as_reference).is_some();
                 let faces = a.references(1).unwrap_or_default();
                 !beside && (faces.is_empty() || faces.iter().any(|f| !self.shows_a_face(*f)))
             }
-            "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE" => true,
-            _ => {
+            "TRIANGULATED_FACE" | "COMPLEX_TRIANGULATED_FACE" => !self.shows_a_face(id),
+            name if PRIMITIVES.contains(&name) => true,
+            name => {
                 let starts = ["SOLID_", "BOOLEAN", "CSG"].iter().any(|s| name.starts_with(s));
-                starts || name.ends_with("_SOLID")
+                starts || name.ends_with("_SOLID") || self.is_made_of_faces(record)
             }
         }
+    }
+
+    /// Whether a record, which does not only give a colour, refers to faces, to what holds them, or to their bounds.
+    fn is_made_of_faces(&self, record: &Record) -> bool {
+        if record.name().ends_with("STYLED_ITEM") {
+            return false;
+        }
+        let mut named = record.parts.iter().flat_map(|p| &p.args).flat_map(references);
+        named.any(|r| self.records.get(r).is_ok_and(|r| FACES.contains(&r.name())))
     }
 
     /// Whether a face of triangles names the exact face that it shows.
@@ -172,7 +190,10 @@ impl<'r, 'a> Walk<'r, 'a> {
         self.body = 0;
         let placement = Placement::identity();
         for face in strays {
-            self.occurs(face, Here { flipped: false, units, placement: &placement, part: "", depth: 0 });
+            self.occurs(
+                face,
+                Here { flipped: false, units, placement: &placement, part: "", depth: 0, of_faces: false },
+            );
         }
     }
 }
@@ -191,6 +212,42 @@ fn shells(id: u64, record: &Record, a: &Args) -> Result<Vec<u64>, Fault> {
         }
     }
     Ok(shells)
+}
+
+/// Solids of constructive geometry.
+const PRIMITIVES: [&str; 11] = [
+    "BLOCK",
+    "SPHERE",
+    "TORUS",
+    "RIGHT_CIRCULAR_CYLINDER",
+    "RIGHT_CIRCULAR_CONE",
+    "RIGHT_ANGULAR_WEDGE",
+    "ELLIPSOID",
+    "ECCENTRIC_CONE",
+    "CONVEX_HEXAHEDRON",
+    "TETRAHEDRON",
+    "RECTANGULAR_PYRAMID",
+];
+
+/// Faces, what holds them, and their bounds.
+const FACES: [&str; 9] = [
+    "ADVANCED_FACE",
+    "FACE_SURFACE",
+    "ORIENTED_FACE",
+    "CLOSED_SHELL",
+    "OPEN_SHELL",
+    "ORIENTED_CLOSED_SHELL",
+    "ORIENTED_OPEN_SHELL",
+    "FACE_BOUND",
+    "FACE_OUTER_BOUND",
+];
+
+/// What a value refers to, in lists too.
+fn references(value: &Value) -> Vec<u64> {
+    match value {
+        Value::List(list) => list.iter().filter_map(as_reference).collect(),
+        other => as_reference(other).into_iter().collect(),
+    }
 }
 
 fn is_solid(name: &str) -> bool {

@@ -341,7 +341,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             };
             let items = items.references(1).unwrap_or_default();
             for item in items.into_iter().filter(|i| listed.insert(*i)) {
-                self.item(item, Here { flipped: false, units, placement, part: &name, depth });
+                self.item(item, Here { flipped: false, units, placement, part: &name, depth, of_faces: false });
             }
         }
         let children: Vec<(u64, Placement)> = self

@@ -90,4 +90,6 @@ pub(super) struct Here<'p> {
     pub part: &'p str,
     /// Levels above.
     pub depth: u32,
+    /// Whether a shell or a solid lists them, whose members are faces, whatever they are called.
+    pub of_faces: bool,
 }

@@ -63,6 +63,7 @@ pub(super) fn written(fault: &WrittenFault) -> String {
         WrittenFault::Differs(what) => differs(*what).into(),
         WrittenFault::Moved(by) => format!("it is {} from what was judged", length_bound(*by)),
         WrittenFault::SurfaceMoved(by) => format!("the surface is {} from what was judged", length_bound(*by)),
+        WrittenFault::OtherPanels => "its panels were changed after the proof".into(),
         WrittenFault::EdgesMoved(by) => format!("its edges are {} from what was judged", length_bound(*by)),
     }
 }
