@@ -87,9 +87,7 @@ pub(super) fn census(records: &Records) -> Census {
     for (number, _) in records.unlisted.iter().filter(|(_, kind)| may_hold_faces(*kind)) {
         walk.out.faults.push(Fault::new(*number, "its entry in the directory is lost"));
     }
-    for e in records.all().filter(|e| e.kind == CURVE_ON_SURFACE && e.dependent && !referred.contains(&e.number)) {
-        walk.out.faults.push(Fault::new(e.number, "it bounds something that is lost"));
-    }
+    walk.out.faults.extend(lost_boundaries(records, &referred));
     let mut orphans = 0;
     let is_incomplete = !records.lost.is_empty() || records.all().any(|e| !is_known(e.kind));
     // Groups and copies first, so that their members belong to them.
@@ -142,6 +140,15 @@ fn referred(records: &Records) -> HashSet<u64> {
     let is_loose = |e: &Entry| e.kind == CURVE_ON_SURFACE && !all.contains(&e.number);
     let hidden = |e: &Entry, part: u64| !is_loose(e) || records.entry(part).is_none_or(|e| e.dependent);
     records.all().flat_map(|e| by(e).into_iter().filter(move |p| hidden(e, *p))).collect()
+}
+
+/// Curves on surfaces that are parts of something, though nothing refers to them, nor to their surfaces besides: of a face that is lost.
+fn lost_boundaries(records: &Records, referred: &HashSet<u64>) -> Vec<Fault> {
+    let is_loose = |e: &Entry| e.kind == CURVE_ON_SURFACE && !referred.contains(&e.number);
+    let used: HashSet<u64> =
+        records.all().filter(|e| !is_loose(e)).flat_map(|e| children(e).unwrap_or_default()).collect();
+    let lost = |e: &&Entry| is_loose(e) && e.dependent && e.pointer(2).is_ok_and(|surface| !used.contains(&surface));
+    records.all().filter(lost).map(|e| Fault::new(e.number, "it bounds something that is lost")).collect()
 }
 
 /// Type of curves on parametric surfaces.
