@@ -405,6 +405,12 @@ mod tests {
         fs::write(target.join("patterns.dxf"), "nested by hand").expect("file");
         let refusal = Output::prepare(&target, &no_input(), true).err().expect("refused");
         assert!(refusal.message.contains("patterns.dxf"), "{refusal}");
+        // Or that has a name of a result but is of nobody's list.
+        let target = room.path().join("ruled");
+        result(&target, false, &["report.json"]).expect("moved");
+        fs::write(target.join("rulings.csv"), "mine").expect("file");
+        let refusal = Output::prepare(&target, &no_input(), true).err().expect("refused");
+        assert!(refusal.message.contains("rulings.csv"), "{refusal}");
 
         // Changed while the work goes on, under a name that nobody foresaw.
         let target = room.path().join("more");
@@ -417,7 +423,7 @@ mod tests {
         assert!(delivered.remark.expect("said").contains("a.txt"));
         assert_eq!(fs::read(target.join("a.txt")).expect("file"), b"mine");
         assert_eq!(fs::read(target.join("report.json")).expect("put back"), b"report.json");
-        assert_eq!(names(room.path()), ["more", "more-2", "panels"]);
+        assert_eq!(names(room.path()), ["more", "more-2", "panels", "ruled"]);
     }
 
     #[test]

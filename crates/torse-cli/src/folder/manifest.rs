@@ -14,7 +14,7 @@ pub const MANIFEST: &str = "torse-files.json";
 const SCHEMA: &str = "torse-files/1";
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 32] = [
+const RESULT_NAMES: [&str; 37] = [
     MANIFEST,
     "report.json",
     "report.html",
@@ -47,6 +47,11 @@ const RESULT_NAMES: [&str; 32] = [
     "deviation.ply",
     "refold.json",
     "refolded.glb",
+    "moves.glb",
+    "moves.png",
+    "curvature.png",
+    "rulings.csv",
+    "rulings.dxf",
 ];
 
 /// Whether a result can have a file of this name.
