@@ -67,10 +67,11 @@ fn points(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> 
     let (mut out, mut values) = (Vec::with_capacity(table.rows.len()), Vec::new());
     for row in &table.rows {
         table.numbers(row, &columns, &mut values).map_err(named)?;
-        if values.iter().any(|x| !x.is_finite()) {
-            return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number".into() }));
+        let point = Vec3::new(values[0], values[1], values.get(2).copied().unwrap_or(0.0)) * unit;
+        if point.iter().any(|x| !x.is_finite()) {
+            return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number of mm".into() }));
         }
-        out.push((row.line, Vec3::new(values[0], values[1], values.get(2).copied().unwrap_or(0.0)) * unit));
+        out.push((row.line, point));
     }
     match out.is_empty() {
         true => Err(ArtworkError::Empty(name.into())),
@@ -182,9 +183,12 @@ mod tests {
         assert_eq!(p, vec![(2, Vec3::new(25.4, 50.8, 0.0))]);
         let Ok(Artwork::Points(p)) = read("a.csv", b"1;2;3\n", 10.0) else { panic!("points") };
         assert_eq!(p[0].1, Vec3::new(10.0, 20.0, 30.0));
-        for (text, what) in
-            [("x,z\n1,2\n", "must be x, y"), ("x,y\n1,a\n", "line 2: 'a' is not a number"), ("x,y\n", "no points")]
-        {
+        for (text, what) in [
+            ("x,z\n1,2\n", "must be x, y"),
+            ("x,y\n1,a\n", "line 2: 'a' is not a number"),
+            ("x,y\n", "no points"),
+            ("x_m,y_m\n1,1e308\n", "line 2: a coordinate is not a finite number of mm"),
+        ] {
             let e = read("a.csv", text.as_bytes(), 1.0).expect_err(text).to_string();
             assert!(e.contains(what), "{e}");
         }
