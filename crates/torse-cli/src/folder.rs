@@ -1,10 +1,12 @@
 //! The output folder: written beside its place under a temporary name and moved there when it is complete, so that
 //! nobody ever sees half of it. Only what Torse wrote is ever replaced.
 
+mod lone_file;
 mod manifest;
 mod surplus;
 mod workspace;
 
+pub use lone_file::LoneFile;
 pub use surplus::{remove_surplus, Numbered};
 pub use workspace::discard;
 
@@ -15,7 +17,7 @@ use std::cell::RefCell;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use workspace::Workspace;
+use workspace::{Form, Workspace};
 
 /// Names that are tried for a result whose place was taken meanwhile.
 const OTHER_NAMES: std::ops::RangeInclusive<usize> = 2..=999;
@@ -58,43 +60,13 @@ impl Output {
     /// The folder exists and holds something (unless `force` and that is an earlier result whose files can be told from
     /// others), is a file or a link, holds the input or the working folder, or its parent cannot be written.
     pub fn prepare(target: &Path, input: &Path, force: bool) -> Result<Self, Failure> {
-        let shown = target.display();
-        let Some(name) = target.file_name().map(|n| n.to_string_lossy().into_owned()) else {
-            return Err(Failure::new(
-                format!("the output folder '{shown}' has no name of its own"),
-                "name a new folder, for example --out panels",
-            ));
-        };
-        let parent = match target.parent() {
-            Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
-            _ => PathBuf::from("."),
-        };
-        match fs::metadata(&parent) {
-            Ok(m) if m.is_dir() => {}
-            Ok(_) => {
-                return Err(Failure::new(
-                    format!("cannot write '{shown}': '{}' is not a folder", parent.display()),
-                    "choose a place inside an existing folder",
-                ))
-            }
-            Err(_) => {
-                return Err(Failure::new(
-                    format!("cannot write '{shown}': the folder '{}' does not exist", parent.display()),
-                    "create it first, or choose another place",
-                ))
-            }
-        }
-        workspace::clean(&parent, &name, target);
+        let (parent, name) = place_of(target)?;
+        workspace::clean(&parent, &name, Form::Folder);
         let place = match fs::symlink_metadata(target) {
             Ok(metadata) => look(target, &metadata, input, force)?,
             Err(_) => Place::Free,
         };
-        let workspace = Workspace::new(&parent, &name).map_err(|e| {
-            Failure::new(
-                format!("cannot write into '{}': {}", parent.display(), os_reason(&e)),
-                "choose a folder that you may write to",
-            )
-        })?;
+        let workspace = workspace_in(&parent, &name, Form::Folder)?;
         Ok(Self { target: target.to_path_buf(), parent, name, place, workspace, written: RefCell::default() })
     }
 
@@ -191,9 +163,7 @@ impl Output {
     fn settle(&self) -> Result<(), String> {
         let result = self.workspace.result();
         let in_words = |e: std::io::Error| match e.kind() {
-            std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::DirectoryNotEmpty => {
-                "something was put there meanwhile".to_owned()
-            }
+            std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::DirectoryNotEmpty => workspace::TAKEN.to_owned(),
             _ => os_reason(&e),
         };
         let gone = fs::symlink_metadata(&self.target).is_err();
@@ -205,11 +175,55 @@ impl Output {
             return Err(format!("it holds '{}', which this job has read", file.display()));
         }
         match &self.place {
-            Place::Earlier(found) if !gone => workspace::replace(self.workspace.path(), &self.target, &found.own),
+            Place::Earlier(found) if !gone => {
+                workspace::replace(self.workspace.path(), &self.target, &found.own, Form::Folder)
+            }
             Place::Empty if !gone => workspace::move_to_empty(&result, &self.target).map_err(in_words),
             _ => workspace::move_to_free(&result, &self.target).map_err(in_words),
         }
     }
+}
+
+/// The existing folder that `target` is to be in, and its name there.
+///
+/// # Errors
+/// It has no name, or there is no such folder.
+fn place_of(target: &Path) -> Result<(PathBuf, String), Failure> {
+    let shown = target.display();
+    let Some(name) = target.file_name().map(|n| n.to_string_lossy().into_owned()) else {
+        return Err(Failure::new(
+            format!("the output '{shown}' has no name of its own"),
+            "give a new name, for example --out panels",
+        ));
+    };
+    let parent = match target.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    match fs::metadata(&parent) {
+        Ok(m) if m.is_dir() => Ok((parent, name)),
+        Ok(_) => Err(Failure::new(
+            format!("cannot write '{shown}': '{}' is not a folder", parent.display()),
+            "choose a place inside an existing folder",
+        )),
+        Err(_) => Err(Failure::new(
+            format!("cannot write '{shown}': the folder '{}' does not exist", parent.display()),
+            "create it first, or choose another place",
+        )),
+    }
+}
+
+/// A new workspace for the target `name` in `parent`.
+///
+/// # Errors
+/// Nothing can be written there.
+fn workspace_in(parent: &Path, name: &str, form: Form) -> Result<Workspace, Failure> {
+    Workspace::new(parent, name, form).map_err(|e| {
+        Failure::new(
+            format!("cannot write into '{}': {}", parent.display(), os_reason(&e)),
+            "choose a folder that you may write to",
+        )
+    })
 }
 
 /// Whether two names lead to one file that is there.
@@ -276,8 +290,11 @@ fn look(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool) -> Re
     }
     if found.own.is_empty() {
         return Err(Failure::new(
-            format!("'{shown}' holds no result of an earlier run (no {MANIFEST}), so --force replaces nothing there"),
-            "choose another folder, or remove that one yourself",
+            format!(
+                "'{shown}' holds no result of an earlier run that has a list of its files (no {MANIFEST} of Torse), so \
+                 --force replaces nothing there"
+            ),
+            "choose another folder with --out, or remove that one by hand",
         ));
     }
     let in_the_way: Vec<String> = found.kept.iter().filter(|n| manifest::is_result_name(n)).cloned().collect();
@@ -388,6 +405,12 @@ mod tests {
         fs::write(target.join("patterns.dxf"), "nested by hand").expect("file");
         let refusal = Output::prepare(&target, &no_input(), true).err().expect("refused");
         assert!(refusal.message.contains("patterns.dxf"), "{refusal}");
+        // Or that has a name of a result but is of nobody's list.
+        let target = room.path().join("ruled");
+        result(&target, false, &["report.json"]).expect("moved");
+        fs::write(target.join("rulings.csv"), "mine").expect("file");
+        let refusal = Output::prepare(&target, &no_input(), true).err().expect("refused");
+        assert!(refusal.message.contains("rulings.csv"), "{refusal}");
 
         // Changed while the work goes on, under a name that nobody foresaw.
         let target = room.path().join("more");
@@ -400,7 +423,7 @@ mod tests {
         assert!(delivered.remark.expect("said").contains("a.txt"));
         assert_eq!(fs::read(target.join("a.txt")).expect("file"), b"mine");
         assert_eq!(fs::read(target.join("report.json")).expect("put back"), b"report.json");
-        assert_eq!(names(room.path()), ["more", "more-2", "panels"]);
+        assert_eq!(names(room.path()), ["more", "more-2", "panels", "ruled"]);
     }
 
     #[test]
@@ -414,7 +437,7 @@ mod tests {
         assert!(Output::prepare(Path::new("/"), &no_input(), true).is_err());
         fs::write(room.path().join("report.json"), "{}").expect("file");
         let refusal = Output::prepare(room.path(), &no_input(), true).err().expect("refused");
-        assert!(refusal.message.contains("no result"), "{refusal}");
+        assert!(refusal.message.contains("no result") && refusal.help.contains("by hand"), "{refusal}");
         let input = room.path().join("hull.step");
         fs::write(&input, "").expect("file");
         let refusal = Output::prepare(room.path(), &input, true).err().expect("refused");

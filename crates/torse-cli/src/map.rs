@@ -1,8 +1,8 @@
 //! `torse map`: artwork carried between parts in space and their flat patterns.
 
 use crate::args::{Map, To};
-use crate::failure::{os_reason, Failure};
-use crate::folder::{is_of_result, is_same_file};
+use crate::failure::Failure;
+use crate::folder::{is_of_result, is_same_file, LoneFile};
 use crate::input::contents;
 use crate::refold::file_of;
 use std::io::Write as _;
@@ -15,13 +15,8 @@ const TOLD: usize = 20;
 
 /// Runs the job; `Ok(true)` means that all was carried over.
 pub fn run(arguments: &Map) -> Result<bool, Failure> {
-    if arguments.out.exists() && !arguments.force {
-        return Err(Failure::new(
-            format!("'{}' exists already", arguments.out.display()),
-            "choose another name, or --force to replace it",
-        ));
-    }
     refuse_own(arguments)?;
+    let output = LoneFile::prepare(&arguments.out, arguments.force, artwork::is_as_written)?;
     let name = arguments.artwork.display().to_string();
     let artwork = artwork::read(&name, &contents(&arguments.artwork)?, arguments.unit.unwrap_or(1.0))
         .map_err(|e| Failure::new(e.to_string(), "give a table of points (x, y, z) or a drawing of curves (DXF)"))?;
@@ -42,12 +37,7 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
         Artwork::Curves(curves, notes) => (notes, carried_curves(&map, &curves, to)),
     };
     told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
-    std::fs::write(&arguments.out, bytes).map_err(|e| {
-        Failure::new(
-            format!("cannot write '{}': {}", arguments.out.display(), os_reason(&e)),
-            "check the folder and the rights",
-        )
-    })?;
+    let written = output.finish(&bytes)?;
     // A closed pipe is no reason to fail after the work is done.
     let mut out = std::io::stdout().lock();
     for note in &notes {
@@ -56,7 +46,7 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
     for line in &told {
         let _ = writeln!(out, "  {line}");
     }
-    let _ = writeln!(out, "  written {}", arguments.out.display());
+    let _ = writeln!(out, "  written {}", written.display());
     Ok(told.is_empty())
 }
 

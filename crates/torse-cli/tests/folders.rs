@@ -58,12 +58,20 @@ fn a_report_of_others_does_not_make_a_folder_ours() {
     let room = tempfile::tempdir().expect("room");
     let out = room.path().join("out");
     fs::create_dir(&out).expect("folder");
-    fs::write(out.join("report.json"), "{\"title\": \"annual report\"}").expect("file");
-    fs::write(out.join("main.rs"), "fn main() {}").expect("file");
-    let run = planarise(room.path(), "out", &["--force"]);
-    assert_eq!(run.status.code(), Some(2));
-    assert!(text(&run.stderr).contains("no result"), "{}", text(&run.stderr));
-    assert_eq!(names(&out), ["main.rs", "report.json"]);
+    let names_of_results = ["main.rs", "part-keel.dxf", "parts.csv", "patterns.dxf", "report.json"];
+    for report in
+        ["{\"title\": \"annual report\"}", "{\"schema\": \"torse-report/2\"}", "{\"schema\": \"torse-report/99\"}"]
+    {
+        for name in names_of_results {
+            fs::write(out.join(name), report).expect("file");
+        }
+        let run = planarise(room.path(), "out", &["--force"]);
+        assert_eq!(run.status.code(), Some(2));
+        let told = text(&run.stderr);
+        assert!(told.contains("'out' holds no result") && told.contains("--out, or remove"), "{told}");
+        assert_eq!(names(&out), names_of_results);
+        assert!(names_of_results.iter().all(|n| fs::read(out.join(n)).expect("kept") == report.as_bytes()));
+    }
 }
 
 #[test]

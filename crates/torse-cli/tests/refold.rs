@@ -109,6 +109,22 @@ fn artwork_is_never_written_over_itself_or_a_file_of_the_result() {
     }
     assert_eq!(std::fs::read(&points).expect("points"), b"x,y\n10,20\n");
     assert_eq!(std::fs::read(&parts).expect("a table"), before);
+    // Nor over files of others, whatever --force says, nor through links.
+    let thesis = folder.join("thesis.docx");
+    std::fs::write(&thesis, "precious").expect("written");
+    let mut refused = vec![(thesis.clone(), "is not as this command writes files")];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(folder.join("victim.csv"), folder.join("link.csv")).expect("a link");
+        refused.push((folder.join("link.csv"), "is a link"));
+    }
+    for (out, words) in &refused {
+        let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(out), "--force"]);
+        assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+        assert!(text(&run.stderr).contains(words), "{}", text(&run.stderr));
+    }
+    assert_eq!(std::fs::read(&thesis).expect("a thesis"), b"precious");
+    assert!(!folder.join("victim.csv").exists());
     // A name of its own may be used there, again and again.
     let own = made.join("marks.csv");
     for _ in 0..2 {

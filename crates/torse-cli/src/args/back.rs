@@ -70,7 +70,7 @@ pub struct Map {
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
 
-    /// Replace that file
+    /// Replace that file, if 'torse map' wrote it; what others wrote is never replaced
     #[arg(long)]
     pub force: bool,
 

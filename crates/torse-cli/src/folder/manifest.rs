@@ -6,25 +6,17 @@ use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Component, Path};
-use std::time::Duration;
 use torse::io::bundle::PART_FILE;
 
 /// The list, beside the files that it names.
 pub const MANIFEST: &str = "torse-files.json";
 /// Name and version of its form; a list of another form is nobody's.
 const SCHEMA: &str = "torse-files/1";
-/// By this file a result is known that was written before there were lists.
-const REPORT: &str = "report.json";
-/// How the schemas of such reports begin.
-const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
-/// A file of such a result that is younger than its report by more than this was changed later: files of one result
-/// are written one after the other, the report among the last, and clocks of some disks count in steps of 2 s.
-const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 32] = [
+const RESULT_NAMES: [&str; 37] = [
     MANIFEST,
-    REPORT,
+    "report.json",
     "report.html",
     "panels.step",
     "panels.igs",
@@ -55,6 +47,11 @@ const RESULT_NAMES: [&str; 32] = [
     "deviation.ply",
     "refold.json",
     "refolded.glb",
+    "moves.glb",
+    "moves.png",
+    "curvature.png",
+    "rulings.csv",
+    "rulings.dxf",
 ];
 
 /// Whether a result can have a file of this name.
@@ -122,20 +119,20 @@ pub fn read(folder: &Path) -> Option<Vec<Entry>> {
 /// What a folder holds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Inventory {
-    /// Files of Torse, unchanged. The first is the list itself, or the report of a result that has none.
+    /// Files of Torse, unchanged. The first is the list itself.
     pub own: Vec<Entry>,
     /// Names of all else: files of people, files that people have changed, folders, links.
     pub kept: Vec<String>,
 }
 
-/// Looks through a folder; nothing is `own` where there is no result of Torse.
+/// Looks through a folder; nothing is `own` where there is no list of Torse's files.
 ///
 /// # Errors
 /// The folder cannot be listed.
 pub fn inspect(folder: &Path) -> io::Result<Inventory> {
     let mut names: Vec<OsString> = fs::read_dir(folder)?.map(|e| Ok(e?.file_name())).collect::<io::Result<_>>()?;
     names.sort();
-    let own = if names.iter().any(|n| n == MANIFEST) { listed(folder) } else { unlisted(folder, &names) };
+    let own = listed(folder);
     let kept = names.iter().filter(|n| own.iter().all(|e| **n != *e.name));
     Ok(Inventory { kept: kept.map(|n| n.to_string_lossy().into_owned()).collect(), own })
 }
@@ -149,25 +146,6 @@ fn listed(folder: &Path) -> Vec<Entry> {
     let mut own = vec![Entry::of(MANIFEST, &list)];
     own.extend(files.into_iter().filter(|e| e.is(&folder.join(&e.name))));
     own
-}
-
-/// The files of a result that has no list: they have names of results and are no younger than its report.
-fn unlisted(folder: &Path, names: &[OsString]) -> Vec<Entry> {
-    let age = |name: &str| {
-        let metadata = fs::symlink_metadata(folder.join(name)).ok().filter(fs::Metadata::is_file)?;
-        metadata.modified().ok()
-    };
-    let schema = || -> Option<String> {
-        let report: serde_json::Value = serde_json::from_slice(&fs::read(folder.join(REPORT)).ok()?).ok()?;
-        Some(report.get("schema")?.as_str()?.to_owned())
-    };
-    let (Some(time), Some(schema)) = (age(REPORT), schema()) else { return Vec::new() };
-    if !REPORT_SCHEMAS.iter().any(|s| schema.starts_with(s)) {
-        return Vec::new();
-    }
-    let own = names.iter().filter_map(|n| n.to_str()).filter(|n| *n != REPORT && is_result_name(n));
-    let own = own.filter(|n| age(n).is_some_and(|t| t <= time + SAME_TIME));
-    std::iter::once(REPORT).chain(own).filter_map(|n| Some(Entry::of(n, &fs::read(folder.join(n)).ok()?))).collect()
 }
 
 #[cfg(test)]
@@ -202,21 +180,18 @@ mod tests {
         }
     }
 
+    /// Reports and times of files say nothing of who wrote the files beside them.
     #[test]
-    fn a_result_without_a_list_is_known_by_its_report() {
+    fn nothing_is_own_where_there_is_no_list() {
         let room = tempfile::tempdir().expect("room");
-        let at = |n: &str| room.path().join(n);
-        fs::write(at("patterns.dxf"), "0").expect("file");
-        fs::write(at(REPORT), "{\"title\": \"annual report\"}").expect("file");
-        assert!(inspect(room.path()).expect("listed").own.is_empty());
-        fs::write(at(REPORT), "{\"schema\": \"torse-report/1\"}").expect("file");
-        fs::write(at("main.rs"), "fn main() {}").expect("file");
-        fs::write(at("panels.png"), "edited").expect("file");
-        let later = std::time::SystemTime::now() + Duration::from_secs(60);
-        fs::File::options().write(true).open(at("panels.png")).expect("file").set_modified(later).expect("time");
-        let found = inspect(room.path()).expect("listed");
-        let own: Vec<&str> = found.own.iter().map(|e| e.name.as_str()).collect();
-        assert_eq!(own, [REPORT, "patterns.dxf"]);
-        assert_eq!(found.kept, ["main.rs", "panels.png"]);
+        let files = ["panels.step", "part-keel.dxf", "parts.csv", "report.json"];
+        for schema in ["torse-report/1", "torse-report/2", "torse-report/99", "torse-strips/1"] {
+            for name in files {
+                fs::write(room.path().join(name), format!("{{\"schema\": \"{schema}\"}}")).expect("file");
+            }
+            let found = inspect(room.path()).expect("listed");
+            assert!(found.own.is_empty(), "{schema}");
+            assert_eq!(found.kept, files);
+        }
     }
 }

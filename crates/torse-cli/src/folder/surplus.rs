@@ -1,5 +1,6 @@
 //! Numbered folders of an earlier run that had more of them: left where they are, their parts would be cut twice.
 
+use super::workspace::Form;
 use super::{look, told, workspace, Place};
 use crate::failure::os_reason;
 use std::fs;
@@ -78,7 +79,7 @@ fn remove(folder: &Path, input: &Path, job: &str) -> Result<bool, String> {
     }
     // What a killed run has left beside it goes as well.
     if let (Some(parent), Some(name)) = (folder.parent(), folder.file_name().and_then(|n| n.to_str())) {
-        workspace::clean(parent, name, folder);
+        workspace::clean(parent, name, Form::Folder);
     }
     // The list, by which the others are known, last.
     for entry in found.own.iter().rev() {

@@ -13,12 +13,40 @@ use std::path::{Path, PathBuf};
 
 /// The mark by which a workspace is recognised, locked by its run.
 const RUN: &str = "run.json";
-/// Name and version of its form.
-const SCHEMA: &str = "torse-run/1";
+
+/// What a run delivers.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A folder, with the list of its files.
+    Folder,
+    /// A single file, beside files of others.
+    File,
+}
+
+impl Form {
+    /// Name and version of the form of the mark.
+    fn schema(self) -> &'static str {
+        match self {
+            Self::Folder => "torse-run/1",
+            Self::File => "torse-file-run/1",
+        }
+    }
+
+    /// The folder in which files of the target `name` are put.
+    fn files_in(self, parent: &Path, name: &str) -> PathBuf {
+        match self {
+            Self::Folder => parent.join(name),
+            Self::File => parent.to_path_buf(),
+        }
+    }
+}
+
 /// The files to be.
 const RESULT: &str = "result";
 /// Files of an earlier result, while they are replaced.
 const OLD: &str = "old";
+/// Why nothing is put where something is.
+pub const TAKEN: &str = "something was put there meanwhile";
 
 /// What the mark says.
 #[derive(Serialize, Deserialize)]
@@ -44,7 +72,7 @@ fn prefix(name: &str) -> String {
 
 impl Workspace {
     /// A new workspace in `parent` for a target called `name`.
-    pub fn new(parent: &Path, name: &str) -> io::Result<Self> {
+    pub fn new(parent: &Path, name: &str, form: Form) -> io::Result<Self> {
         let folder = tempfile::Builder::new().prefix(&prefix(name)).tempdir_in(parent)?;
         let mut lock = File::create_new(folder.path().join(RUN))?;
         match lock.try_lock() {
@@ -52,7 +80,7 @@ impl Workspace {
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::ResourceBusy.into()),
         }
-        let run = Run { schema: SCHEMA.into(), target: name.to_owned(), process: std::process::id() };
+        let run = Run { schema: form.schema().into(), target: name.to_owned(), process: std::process::id() };
         lock.write_all(serde_json::to_string(&run)?.as_bytes())?;
         lock.sync_all()?;
         fs::create_dir(folder.path().join(RESULT))?;
@@ -74,6 +102,13 @@ impl Workspace {
         // It stays either way.
         let _ = fs::remove_file(self.folder.path().join(RUN));
         self.folder.keep()
+    }
+
+    /// Leaves the workspace as a killed run does.
+    #[cfg(test)]
+    pub fn abandon(self) -> PathBuf {
+        let Self { folder, _lock } = self;
+        folder.keep()
     }
 }
 
@@ -104,8 +139,11 @@ pub fn move_to_empty(from: &Path, to: &Path) -> io::Result<()> {
     })
 }
 
-/// Moves a file to a place where nothing is; never replaces anything.
-fn move_file(from: &Path, to: &Path) -> io::Result<()> {
+/// Moves a file to a place where nothing is; never replaces anything. What was put in the place of a file may be a folder.
+pub fn move_file(from: &Path, to: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(from)?.is_dir() {
+        return move_to_free(from, to);
+    }
     match fs::hard_link(from, to) {
         Ok(()) => {}
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Err(e),
@@ -120,19 +158,20 @@ fn move_file(from: &Path, to: &Path) -> io::Result<()> {
 }
 
 /// Puts the files of `workspace/result` in place of the files `own` in `target`, and touches nothing else. The first of
-/// `own` is taken away first and the list of the new files put there last, so that of several runs one gets through.
+/// `own` is taken away first and the list of the new files put there last, so that of several runs one gets through. A single
+/// file gets no list beside it.
 ///
 /// # Errors
 /// Why it cannot be done, in words; then everything is as it was.
-pub fn replace(workspace: &Path, target: &Path, own: &[Entry]) -> Result<(), String> {
-    let replaced = exchange(workspace, target, own);
+pub fn replace(workspace: &Path, target: &Path, own: &[Entry], form: Form) -> Result<(), String> {
+    let replaced = exchange(workspace, target, own, form);
     if replaced.is_err() {
         undo(workspace, target).map_err(|e| format!("the earlier files could not be put back: {e}"))?;
     }
     replaced
 }
 
-fn exchange(workspace: &Path, target: &Path, own: &[Entry]) -> Result<(), String> {
+fn exchange(workspace: &Path, target: &Path, own: &[Entry], form: Form) -> Result<(), String> {
     let (result, old) = (workspace.join(RESULT), workspace.join(OLD));
     let failed = |e: io::Error| e.to_string();
     if !fs::symlink_metadata(target).is_ok_and(|m| m.is_dir()) {
@@ -151,19 +190,24 @@ fn exchange(workspace: &Path, target: &Path, own: &[Entry]) -> Result<(), String
         }
     }
     let new = manifest::read(&result).ok_or("its list of files is missing")?;
-    for name in new.iter().map(|e| e.name.as_str()).chain([MANIFEST]) {
-        move_file(&result.join(name), &target.join(name)).map_err(|e| match e.kind() {
-            io::ErrorKind::AlreadyExists => format!("it holds another {name}"),
+    let list = (form == Form::Folder).then_some(MANIFEST);
+    for name in new.iter().map(|e| e.name.as_str()).chain(list) {
+        move_file(&result.join(name), &target.join(name)).map_err(|e| match (e.kind(), form) {
+            (io::ErrorKind::AlreadyExists, Form::Folder) => format!("it holds another {name}"),
+            (io::ErrorKind::AlreadyExists, Form::File) => TAKEN.to_owned(),
             _ => failed(e),
         })?;
+    }
+    if form == Form::File {
+        fs::remove_file(result.join(MANIFEST)).map_err(failed)?;
     }
     // All that it holds was found to be ours; what resists goes with the workspace.
     let _ = fs::remove_dir_all(&old);
     Ok(())
 }
 
-/// Takes back what [`exchange`] did, as far as it came. Does nothing once the list of the new files is in place: then
-/// the exchange is complete.
+/// Takes back what [`exchange`] did, as far as it came. Does nothing once the list of the new files has left the workspace:
+/// then the exchange is complete.
 fn undo(workspace: &Path, target: &Path) -> io::Result<()> {
     let (result, old) = (workspace.join(RESULT), workspace.join(OLD));
     let (Some(new), Ok(entries)) = (manifest::read(&result), fs::read_dir(&old)) else { return Ok(()) };
@@ -216,7 +260,8 @@ pub fn discard(workspace: &Path) -> io::Result<()> {
 
 /// Cleans what killed runs for the target `name` have left in `parent`: earlier files go back to their place, half of a
 /// result goes away. What belongs to a run that lives is left alone, and so is what is not understood.
-pub fn clean(parent: &Path, name: &str, target: &Path) {
+pub fn clean(parent: &Path, name: &str, form: Form) {
+    let target = form.files_in(parent, name);
     let Ok(entries) = fs::read_dir(parent) else { return };
     for entry in entries.flatten() {
         let named = entry.file_name().to_str().is_some_and(|n| n.starts_with(&prefix(name)));
@@ -224,9 +269,9 @@ pub fn clean(parent: &Path, name: &str, target: &Path) {
             continue;
         }
         let path = entry.path();
-        let Some(_lock) = dead(&path, name) else { continue };
+        let Some(_lock) = dead(&path, name, form) else { continue };
         // What resists stays, with its mark, for the next run.
-        let _ = undo(&path, target).and_then(|()| finished(&path)).and_then(|()| discard(&path));
+        let _ = undo(&path, &target).and_then(|()| finished(&path)).and_then(|()| discard(&path));
     }
 }
 
@@ -240,11 +285,11 @@ fn finished(workspace: &Path) -> io::Result<()> {
 }
 
 /// The lock of a workspace for the target `name` whose run has ended.
-fn dead(workspace: &Path, name: &str) -> Option<File> {
+fn dead(workspace: &Path, name: &str, form: Form) -> Option<File> {
     let mark = workspace.join(RUN);
     let run: Run = serde_json::from_slice(&fs::read(&mark).ok()?).ok()?;
     let lock = File::options().write(true).open(&mark).ok()?;
-    (run.schema == SCHEMA && run.target == name && lock.try_lock().is_ok()).then_some(lock)
+    (run.schema == form.schema() && run.target == name && lock.try_lock().is_ok()).then_some(lock)
 }
 
 #[cfg(test)]
@@ -254,29 +299,27 @@ mod tests {
 
     /// A workspace with a result of these files, their list included, as a killed run leaves it.
     fn killed(parent: &Path, files: &[&str]) -> PathBuf {
-        let workspace = Workspace::new(parent, "panels").expect("workspace");
+        let workspace = Workspace::new(parent, "panels", Form::Folder).expect("workspace");
         let entries: Vec<Entry> = files.iter().map(|n| Entry::of(n, b"new")).collect();
         for n in files {
             fs::write(workspace.result().join(n), "new").expect("file");
         }
         fs::write(workspace.result().join(MANIFEST), manifest::text(&entries).expect("text")).expect("list");
-        let Workspace { folder, _lock } = workspace;
-        folder.keep()
+        workspace.abandon()
     }
 
     #[test]
     fn leftovers_of_the_dead_go_and_those_of_the_living_stay() {
         let room = tempfile::tempdir().expect("room");
-        let target = room.path().join("panels");
         killed(room.path(), &["a"]);
-        let living = Workspace::new(room.path(), "panels").expect("workspace");
+        let living = Workspace::new(room.path(), "panels", Form::Folder).expect("workspace");
         fs::create_dir(room.path().join(".panels.partial-mine")).expect("a folder of somebody else");
         fs::create_dir(room.path().join(".other.partial-x")).expect("a folder of somebody else");
         assert_eq!(names(room.path()).len(), 4);
-        clean(room.path(), "panels", &target);
+        clean(room.path(), "panels", Form::Folder);
         assert_eq!(names(room.path()).len(), 3);
         assert!(living.path().is_dir());
-        clean(room.path(), "other", &target);
+        clean(room.path(), "other", Form::Folder);
         assert_eq!(names(room.path()).len(), 3);
     }
 
@@ -305,7 +348,7 @@ mod tests {
             for step in &steps[..=stage] {
                 step().expect("a step");
             }
-            clean(room.path(), "panels", &target);
+            clean(room.path(), "panels", Form::Folder);
             assert_eq!(names(room.path()), ["panels"], "stage {stage}");
             assert_eq!(names(&target), ["a", "b", "mine.txt", MANIFEST], "stage {stage}");
             assert_eq!(fs::read(target.join("a")).expect("file"), b"old");
@@ -319,7 +362,7 @@ mod tests {
         let workspace = killed(room.path(), &["a"]);
         fs::create_dir(workspace.join(OLD)).expect("folder");
         fs::write(workspace.join(OLD).join("a"), "old").expect("file");
-        clean(room.path(), "panels", &target);
+        clean(room.path(), "panels", Form::Folder);
         assert_eq!(names(room.path()), ["panels"]);
         assert_eq!(fs::read(target.join("a")).expect("file"), b"old");
     }
@@ -333,12 +376,12 @@ mod tests {
         fs::write(target.join("c"), "mine").expect("file");
         let workspace = killed(room.path(), &["a", "c"]);
         let own = [Entry::of("a", b"old")];
-        assert!(replace(&workspace, &target, &own).expect_err("stopped").contains('c'));
+        assert!(replace(&workspace, &target, &own, Form::Folder).expect_err("stopped").contains('c'));
         assert_eq!(fs::read(target.join("a")).expect("file"), b"old");
         assert_eq!(fs::read(target.join("c")).expect("file"), b"mine");
         assert_eq!(names(&workspace.join(RESULT)), ["a", "c", MANIFEST]);
         let own = [Entry::of("a", b"other")];
-        assert!(replace(&workspace, &target, &own).expect_err("stopped").contains("changed"));
+        assert!(replace(&workspace, &target, &own, Form::Folder).expect_err("stopped").contains("changed"));
         assert_eq!(fs::read(target.join("a")).expect("file"), b"old");
     }
 

@@ -187,7 +187,7 @@ fn shape(s: &Surface, t: f64, r: f64) -> Option<(f64, f64)> {
     let j = s.jet(t, r);
     let n = j.normal().try_normalize(0.0)?;
     let (e, f, g) = (j.du.dot(&j.du), j.du.dot(&j.dv), j.dv.dot(&j.dv));
-    let (l, m, k) = (n.dot(&j.duu), n.dot(&j.duv), n.dot(&j.dvv));
+    let [l, m, k] = j.second_form(&n);
     let det = e * g - f * f;
     let (mean, gauss) = ((e * k - 2.0 * f * m + g * l) / (2.0 * det), (l * k - m * m) / det);
     let curvature = mean.abs() + (mean * mean - gauss).max(0.0).sqrt();

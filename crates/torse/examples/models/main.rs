@@ -40,6 +40,7 @@ fn models() -> Outcome<Vec<(&'static str, Sheet)>> {
         spline("half_bowl", freeform(3, [6, 4], half_bowl)?),
         spline("fuselage", freeform(2, [8, 6], fuselage)?),
         spline("wavy_roof", freeform(3, [9, 6], wavy_roof)?),
+        spline("saddle", freeform(3, [4, 4], saddle)?),
         spline("torus_piece", torus_piece()?),
         ("cone_holes", cone_holes()?),
         ("cylinder_holes", cylinder_holes()?),
@@ -83,6 +84,13 @@ fn fuselage(u: f64, v: f64) -> Vec3 {
 fn wavy_roof(u: f64, v: f64) -> Vec3 {
     let wave = 180.0 * (2.0 * PI * u).sin() * (1.2 * PI * v + 0.5).cos() + 120.0 * (PI * (u + 0.5 * v)).sin();
     Vec3::new(6000.0 * u, 4000.0 * v, 2500.0 + wave)
+}
+
+/// A roof of 6 m by 4 m that is a saddle all over, but no ruled surface.
+fn saddle(u: f64, v: f64) -> Vec3 {
+    let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let rise = 700.0 * x.powi(2) + 150.0 * x.powi(4) - 550.0 * y.powi(2) - 90.0 * y.powi(4);
+    Vec3::new(3000.0 * x, 2000.0 * y, 3000.0 + rise)
 }
 
 /// Outer piece of a torus, 90° by 90°, radii 600 mm and 250 mm: exact, rational.

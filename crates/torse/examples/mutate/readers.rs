@@ -1,11 +1,12 @@
 //! Every reader of files, called as the program calls it.
 
-use crate::specimen::Kind;
+use crate::specimen::{result, Kind};
 use torse::geom::{Vec2, Vec3};
+use torse::io::artwork::{self, Artwork};
 use torse::io::curves::{self, CurveOptions};
 use torse::io::json::Report;
 use torse::io::step::read as step;
-use torse::io::{cloud, drawings, elements, net, quads};
+use torse::io::{cloud, drawings, elements, materials, net, quads, result_folder, shape};
 use torse::patchwork::written::WrittenPiece;
 use torse::torse::contact::Given;
 use torse::torse::rail::Rail;
@@ -22,7 +23,7 @@ const fn reader(name: &'static str, kinds: &'static [Kind], read: fn(&[u8]) -> R
 }
 
 /// All of them.
-pub const READERS: [Reader; 26] = [
+pub const READERS: [Reader; 32] = [
     reader("points: PLY", &[Kind::Ply], |b| points("a.ply", b)),
     reader("points: tables", &[Kind::Table], |b| points("a.csv", b)),
     reader("points: PTS", &[Kind::Table], |b| points("a.pts", b)),
@@ -48,6 +49,12 @@ pub const READERS: [Reader; 26] = [
     reader("IGES: faces", &[Kind::Iges], faces),
     reader("3DM: faces", &[Kind::ThreeDm], faces),
     reader("STEP: panels written here", &[Kind::Panels], |b| step::own::faces(b).map(|f| own_faces(&f))),
+    reader("artwork: tables", &[Kind::Table], |b| drawn("a.csv", b)),
+    reader("artwork: DXF", &[Kind::Dxf, Kind::DrawnDxf], |b| drawn("a.dxf", b)),
+    reader("jobs of shapes: JSON", &[Kind::Job], job),
+    reader("materials: tables", &[Kind::Materials], cards),
+    reader("results: bend lines", &[Kind::Bends], |b| folder("bends.csv", b)),
+    reader("results: bend tables", &[Kind::BendTable], |b| folder("bend_table.csv", b)),
     reader("STEP: strips written here", &[Kind::Strips], |b| step::own::strips(b).map(|_| true)),
 ];
 
@@ -118,6 +125,37 @@ fn control_net(bytes: &[u8]) -> Result<bool, String> {
 fn report(bytes: &[u8]) -> Result<bool, String> {
     let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
     Report::from_json(text).map(|_| true).map_err(|e| e.to_string())
+}
+
+fn drawn(name: &str, bytes: &[u8]) -> Result<bool, String> {
+    Ok(match artwork::read(name, bytes, 1.0).map_err(|e| e.to_string())? {
+        Artwork::Points(points) => points.iter().all(|(_, p)| finite(&[*p])),
+        Artwork::Curves(curves, _) => curves.iter().all(sound),
+    })
+}
+
+fn job(bytes: &[u8]) -> Result<bool, String> {
+    let job = shape::read(bytes, "job", Some(1.0)).map_err(|e| e.to_string())?;
+    Ok(job.unit.is_finite() && job.curves.iter().flat_map(|c| &c.1.control).flatten().all(|x| x.is_finite()))
+}
+
+fn cards(bytes: &[u8]) -> Result<bool, String> {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    let all = materials::read("a.csv", text).map_err(|e| e.to_string())?;
+    Ok(all.iter().all(|m| m.density.is_finite() && m.density > 0.0))
+}
+
+/// A good result with one of its files exchanged. Radii and lengths that are not said are infinite or no numbers.
+fn folder(name: &str, bytes: &[u8]) -> Result<bool, String> {
+    let of_result = |wanted: &str| match wanted == name {
+        true => Some(bytes.to_vec()),
+        false => result().iter().find(|f| f.0 == wanted).map(|f| f.1.clone()),
+    };
+    let found = result_folder::read(&of_result).map_err(|e| e.to_string())?;
+    let numbers = |p: &result_folder::ResultPart| {
+        p.lines.iter().all(|(_, l)| l.length.is_finite()) && p.bends.iter().all(|b| b.angle.is_finite())
+    };
+    Ok(found.parts.iter().all(numbers) && found.left.iter().all(|l| !l.1.is_empty()))
 }
 
 fn pieces(all: &[WrittenPiece]) -> bool {

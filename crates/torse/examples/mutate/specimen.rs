@@ -2,12 +2,14 @@
 
 use crate::parts;
 use crate::random::Random;
+use std::sync::OnceLock;
 use torse::answer::presentation::present;
 use torse::geom::Vec3;
 use torse::io::json::Report;
 use torse::io::step::read::read;
-use torse::io::{bundle, cloud};
+use torse::io::{bend_table, bends, bundle, cloud};
 use torse::pipeline::approximate::{approximate, Options};
+use torse::{unroll, Control, UnrollOptions};
 
 /// Files that the same readers read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +28,10 @@ pub enum Kind {
     Strips,
     Iges,
     ThreeDm,
+    Job,
+    Materials,
+    Bends,
+    BendTable,
 }
 
 /// All good files.
@@ -45,6 +51,8 @@ const MODELS: [&[u8]; 7] = [
 
 /// Tolerance (mm) at which a torus of half a metre is one panel or two.
 const COARSE: f64 = 40.0;
+/// Tolerance (mm) of parts laid flat.
+const FINE: f64 = 0.05;
 
 impl Stock {
     /// Makes them.
@@ -66,7 +74,15 @@ impl Stock {
               \"m_star\":8,\"lambda_star\":10}"
                 .to_vec(),
         ));
+        all.extend([&include_bytes!("../../../../data/pulled_hull.json")[..], JOB].map(|b| (Kind::Job, b.to_vec())));
+        all.extend(
+            [&include_bytes!("../../src/io/materials.csv")[..], MATERIALS].map(|b| (Kind::Materials, b.to_vec())),
+        );
         all.extend(answers()?);
+        for (name, kind) in [("bends.csv", Kind::Bends), ("bend_table.csv", Kind::BendTable)] {
+            let table = result().iter().find(|f| f.0 == name).ok_or(format!("the result has no {name}"))?;
+            all.push((kind, table.1.clone()));
+        }
         Ok(Self { all })
     }
 
@@ -104,6 +120,40 @@ fn answers() -> Result<Vec<(Kind, Vec<u8>)>, String> {
         };
         all.push((kind, bytes));
     }
+    Ok(all)
+}
+
+/// A job of `torse shape` with what the other one has not.
+const JOB: &[u8] = br#"{ "unit": "cm",
+  "curves": [
+    { "name": "a", "through": [[0, 0, 0], [5, 0, 1], [10, 0, 0]], "spans": 4 },
+    { "name": "b", "degree": 1, "knots": [0, 0, 1, 1], "points": [[0, 5, 0], [10, 5, 0]], "fixed": true } ],
+  "strips": [ { "name": "s", "sides": ["a", "b"] } ],
+  "joins": [ { "ruling": ["s", "s"], "smoothness": "G2" } ],
+  "handles": [ { "curve": "a", "u": 0.5, "point": [5, 0, 2] } ],
+  "lengths": [ { "between": [ { "curve": "a", "u": 0 }, { "curve": "b", "u": 1 } ], "length": 11 } ],
+  "moves": [ { "handle": 0, "point": [5, 0, 3] } ] }"#;
+
+/// Materials in another order of columns.
+const MATERIALS: &[u8] =
+    b"k,material,least_radius,density,note\ndin,\"sheet, grey\",1.5t,7850,ours\n0.44,card,4mm,700,\n";
+
+/// The files of a result with bend lines and a bend table, made once.
+pub fn result() -> &'static [(String, Vec<u8>)] {
+    static FILES: OnceLock<Vec<(String, Vec<u8>)>> = OnceLock::new();
+    FILES.get_or_init(|| bracket().unwrap_or_default())
+}
+
+/// A bracket laid flat.
+fn bracket() -> Result<Vec<(String, Vec<u8>)>, String> {
+    let model = read(include_bytes!("../../../../data/bracket.step")).map_err(|e| e.to_string())?;
+    let answer = unroll(&model, &UnrollOptions::new(FINE), &Control::default()).map_err(|e| e.to_string())?;
+    let shown = present(&answer);
+    let mut all = bundle::geometry(&answer, &shown, "2026-01-01T00:00:00").map_err(|e| e.to_string())?;
+    all.extend(bends::csv(&answer.patterns, answer.cut.unit).map(|b| ("bends.csv".into(), b)));
+    all.extend(bend_table::csv(&answer, answer.cut.unit).map(|b| ("bend_table.csv".into(), b)));
+    let report = Report::of(&answer, &shown).to_json().map_err(|e| e.to_string())?;
+    all.push(("report.json".into(), report.into_bytes()));
     Ok(all)
 }
 

@@ -242,7 +242,8 @@ fn defect(face: &Face, places: &[[f64; 2]]) -> Defect {
     let mut curvature = 0.0_f64;
     for j in jets.iter().filter(|j| measure(j) > least) {
         let n = j.normal();
-        let k = (n.dot(&j.duu) * n.dot(&j.dvv) - n.dot(&j.duv).powi(2)) / n.norm_squared() / measure(j);
+        let [l, m, k] = j.second_form(&n);
+        let k = (l * k - m.powi(2)) / n.norm_squared() / measure(j);
         curvature = curvature.max(k.abs());
     }
     let b = bounds(face);

@@ -163,10 +163,8 @@ fn by_arc_length(arc: &Arc, shares: &[f64]) -> Option<Vec<f64>> {
 fn compatible(rails: [Curve<4>; 2]) -> Result<[Curve<4>; 2], SplineError> {
     let degree = rails.iter().map(|c| c.knots.degree()).fold(1, usize::max);
     let mut out = Vec::with_capacity(2);
-    for mut c in rails {
-        while c.knots.degree() < degree {
-            c = c.elevated()?;
-        }
+    for c in rails {
+        let c = c.elevated_to(degree)?;
         let (a, b) = c.domain();
         let knots: Vec<f64> = c.knots.values().iter().map(|t| ((t - a) / (b - a)).clamp(0.0, 1.0)).collect();
         out.push(Curve::new(degree, knots, c.control)?);

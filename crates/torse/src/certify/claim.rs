@@ -18,7 +18,8 @@ impl UpperBound {
     /// Nothing is known.
     pub const UNKNOWN: Self = Self(f64::INFINITY);
 
-    /// The distance of a thing from itself.
+    /// A bound for tests of what is made of bounds.
+    #[cfg(test)]
     pub(crate) fn nothing() -> Self {
         Self(0.0)
     }

@@ -148,7 +148,7 @@ fn one(
     };
     let region = Region { cuts, ..Region::of(panel, &ruled)? };
     let jets = RuledJets::new(&ruled, &ruled.middle(panel.strip.domain().0));
-    let mut edge = UpperBound::nothing();
+    let mut edge = UpperBound::shown(0.0);
     for run in panel.outline.iter().flatten() {
         let side = SeamSide { jets: &jets, trim: &run.trim };
         let from = run.edge.control.first().map(|p| Vec3::from(*p));
@@ -177,7 +177,7 @@ fn one(
     let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or((LoopFault::Stopped, None))?;
     Ok(TrimmedCertificate {
         // Of a panel without points nothing is far.
-        beyond: worst.map_or(UpperBound::nothing(), |k| UpperBound::shown(bounds[k])),
+        beyond: worst.map_or(UpperBound::shown(0.0), |k| UpperBound::shown(bounds[k])),
         reach: UpperBound::shown(reach),
         edge,
         worst: worst.map(|k| own[k]),

@@ -67,10 +67,11 @@ fn points(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> 
     let (mut out, mut values) = (Vec::with_capacity(table.rows.len()), Vec::new());
     for row in &table.rows {
         table.numbers(row, &columns, &mut values).map_err(named)?;
-        if values.iter().any(|x| !x.is_finite()) {
-            return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number".into() }));
+        let point = Vec3::new(values[0], values[1], values.get(2).copied().unwrap_or(0.0)) * unit;
+        if point.iter().any(|x| !x.is_finite()) {
+            return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number of mm".into() }));
         }
-        out.push((row.line, Vec3::new(values[0], values[1], values.get(2).copied().unwrap_or(0.0)) * unit));
+        out.push((row.line, point));
     }
     match out.is_empty() {
         true => Err(ArtworkError::Empty(name.into())),
@@ -78,15 +79,25 @@ fn points(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> 
     }
 }
 
+/// Columns of tables of the plane.
+const FLAT_COLUMNS: &str = "line,part,x_mm,y_mm,distance_mm";
+/// Columns of tables in space.
+const SPACE_COLUMNS: &str = "line,part,x_mm,y_mm,z_mm,distance_mm";
+
 /// Points as a table, mm; `flat` leaves out the third coordinate.
 pub fn csv(rows: &[PointRow], flat: bool) -> Vec<u8> {
-    let mut out =
-        String::from(if flat { "line,part,x_mm,y_mm,distance_mm\n" } else { "line,part,x_mm,y_mm,z_mm,distance_mm\n" });
+    let mut out = format!("{}\n", if flat { FLAT_COLUMNS } else { SPACE_COLUMNS });
     for r in rows {
         let name = r.part.replace('"', "\"\"");
         let place = r.place.map_or_else(
             || if flat { ",".to_owned() } else { ",,".to_owned() },
-            |p| if flat { format!("{:.9},{:.9}", p.x, p.y) } else { format!("{:.9},{:.9},{:.9}", p.x, p.y, p.z) },
+            |p| {
+                if flat {
+                    format!("{:.DIGITS$},{:.DIGITS$}", p.x, p.y)
+                } else {
+                    format!("{:.DIGITS$},{:.DIGITS$},{:.DIGITS$}", p.x, p.y, p.z)
+                }
+            },
         );
         // Writing to a string cannot fail.
         _ = writeln!(out, "{},\"{name}\",{place},{:.6}", r.line, r.distance);
@@ -94,11 +105,17 @@ pub fn csv(rows: &[PointRow], flat: bool) -> Vec<u8> {
     out.into_bytes()
 }
 
+/// How drawings begin.
+const DRAWING_BEGINS: &str =
+    "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+/// How drawings end.
+const DRAWING_ENDS: &str = "0\nENDSEC\n0\nEOF\n";
+/// Digits of coordinates after the point.
+const DIGITS: usize = 9;
+
 /// Polylines with the names of their layers as a DXF drawing (AC1009) in mm; `flat` for drawings of the plane.
 pub fn dxf(lines: &[(String, Vec<Vec3>)], flat: bool) -> Vec<u8> {
-    let mut out = String::from(
-        "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
-    );
+    let mut out = String::from(DRAWING_BEGINS);
     for (name, points) in lines {
         let plain = |c: char| if c.is_ascii_alphanumeric() || "-_$".contains(c) { c } else { '_' };
         let layer: String = name.chars().map(plain).collect();
@@ -106,15 +123,54 @@ pub fn dxf(lines: &[(String, Vec<Vec3>)], flat: bool) -> Vec<u8> {
         // Writing to a string cannot fail.
         _ = write!(out, "0\nPOLYLINE\n8\n{layer}\n66\n1\n70\n{flags}\n10\n0.0\n20\n0.0\n30\n0.0\n");
         for p in points {
-            _ = write!(out, "0\nVERTEX\n8\n{layer}\n10\n{:.9}\n20\n{:.9}\n30\n{:.9}\n", p.x, p.y, p.z);
+            _ = write!(
+                out,
+                "0\nVERTEX\n8\n{layer}\n10\n{:.DIGITS$}\n20\n{:.DIGITS$}\n30\n{:.DIGITS$}\n",
+                p.x, p.y, p.z
+            );
             if !flat {
                 out.push_str("70\n32\n");
             }
         }
         _ = write!(out, "0\nSEQEND\n8\n{layer}\n");
     }
-    out.push_str("0\nENDSEC\n0\nEOF\n");
+    out.push_str(DRAWING_ENDS);
     out.into_bytes()
+}
+
+/// Whether a file is, to the last line, of the form that [`csv`] and [`dxf`] write. What other programs have written or
+/// somebody has added to is not.
+pub fn is_as_written(bytes: &[u8]) -> bool {
+    std::str::from_utf8(bytes).is_ok_and(|text| is_table_as_written(text) || is_drawing_as_written(text))
+}
+
+fn is_table_as_written(text: &str) -> bool {
+    let mut lines = text.strip_suffix('\n').unwrap_or(text).split('\n');
+    let Some(columns) = lines.next().filter(|l| [FLAT_COLUMNS, SPACE_COLUMNS].contains(l)) else { return false };
+    // All but the number of the line and the quoted name of the part.
+    let width = columns.split(',').count() - 2;
+    lines.all(|line| {
+        let parts = line.split_once(",\"").and_then(|(of, rest)| Some((of, rest.rsplit_once("\",")?.1)));
+        parts.is_some_and(|(of, numbers)| {
+            let number = |x: &str| x.is_empty() || x.parse::<f64>().is_ok();
+            of.parse::<usize>().is_ok() && numbers.split(',').count() == width && numbers.split(',').all(number)
+        })
+    })
+}
+
+fn is_drawing_as_written(text: &str) -> bool {
+    let Some(entities) = text.strip_prefix(DRAWING_BEGINS).and_then(|t| t.strip_suffix(DRAWING_ENDS)) else {
+        return false;
+    };
+    let lines: Vec<&str> = entities.lines().collect();
+    let coordinate =
+        |x: &str| x == "0.0" || (x.parse::<f64>().is_ok() && x.split_once('.').is_some_and(|(_, d)| d.len() == DIGITS));
+    lines.chunks(2).all(|group| match *group {
+        ["0", value] => ["POLYLINE", "VERTEX", "SEQEND"].contains(&value),
+        ["8", _] | ["66", "1"] | ["70", "0" | "8" | "32"] => true,
+        ["10" | "20" | "30", value] => coordinate(value),
+        _ => false,
+    })
 }
 
 #[cfg(test)]
@@ -127,9 +183,12 @@ mod tests {
         assert_eq!(p, vec![(2, Vec3::new(25.4, 50.8, 0.0))]);
         let Ok(Artwork::Points(p)) = read("a.csv", b"1;2;3\n", 10.0) else { panic!("points") };
         assert_eq!(p[0].1, Vec3::new(10.0, 20.0, 30.0));
-        for (text, what) in
-            [("x,z\n1,2\n", "must be x, y"), ("x,y\n1,a\n", "line 2: 'a' is not a number"), ("x,y\n", "no points")]
-        {
+        for (text, what) in [
+            ("x,z\n1,2\n", "must be x, y"),
+            ("x,y\n1,a\n", "line 2: 'a' is not a number"),
+            ("x,y\n", "no points"),
+            ("x_m,y_m\n1,1e308\n", "line 2: a coordinate is not a finite number of mm"),
+        ] {
             let e = read("a.csv", text.as_bytes(), 1.0).expect_err(text).to_string();
             assert!(e.contains(what), "{e}");
         }
@@ -142,5 +201,29 @@ mod tests {
         let Ok(Artwork::Curves(rails, _)) = read("a.dxf", &bytes, 1.0) else { panic!("curves") };
         assert_eq!(rails.len(), 1);
         assert!((rails[0].length() - (27.0_f64.sqrt() + 16.25_f64.sqrt())).abs() < 1e-9);
+    }
+
+    #[test]
+    fn only_files_of_the_written_form_are_taken_for_written_ones() {
+        let row = |place: Option<Vec3>| PointRow { line: 2, part: "A \"left\", 1".into(), place, distance: 0.25 };
+        let rows = [row(Some(Vec3::new(1.0, -2.5, 1e6))), row(None)];
+        let line = vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 5e7, 6.0)];
+        let files =
+            [true, false].map(|flat| [csv(&rows, flat), csv(&[], flat), dxf(&[("a b".into(), line.clone())], flat)]);
+        for file in files.iter().flatten() {
+            let text = String::from_utf8(file.clone()).expect("text");
+            assert!(is_as_written(file), "{text}");
+            let added = text.clone() + "999\nmine\n";
+            let edited = text.replacen("8\na_b\n", "8\na_b\n62\n5\n", 1).replacen("x_mm", "x", 1);
+            assert!(!is_as_written(added.as_bytes()) && !is_as_written(edited.as_bytes()), "{text}");
+        }
+        let others = [
+            "",
+            "precious",
+            "x,y,z\n1,2,3\n",
+            "line,part,x_mm,y_mm,distance_mm\nmy own notes\n",
+            "0\nSECTION\n0\nEOF\n",
+        ];
+        assert!(others.iter().all(|text| !is_as_written(text.as_bytes())));
     }
 }

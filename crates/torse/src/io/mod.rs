@@ -1,4 +1,4 @@
-//! Floor 9: files in and out; computes nothing.
+//! Floor 9: files in and out. What is computed for them is asked of lower floors; nothing is fitted or proven here.
 
 pub mod artwork;
 pub mod bend_table;

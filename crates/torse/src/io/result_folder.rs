@@ -382,16 +382,18 @@ fn bend_lines(text: &str) -> Result<Vec<(String, TableLine)>, String> {
                 _ => c.number(row, name, radii[k] / c.mm)? * c.mm,
             };
         }
-        Ok(TableLine { bend, length: c.number(row, "length", f64::NAN)? * c.mm })
+        let length = c.number(row, "length", f64::NAN)? * c.mm;
+        if length.is_nan() {
+            return Err("the length is missing".into());
+        }
+        Ok(TableLine { bend, length })
     })
 }
 
 fn sheet_bends(text: &str) -> Result<Vec<(String, TableBend)>, String> {
     rows(text, |c, row| {
-        let count = c.number(row, "lines", f64::NAN)?;
-        if count.is_nan() || count < 1.0 {
-            return Err("the number of lines is missing".into());
-        }
+        let count = c.text(row, "lines")?.parse::<u32>().ok().filter(|n| *n > 0);
+        let count = count.ok_or("the number of lines is missing, or no whole number")?;
         Ok(TableBend {
             kind: c.text(row, "kind")?.to_owned(),
             sense: c.sense(row)?,
@@ -421,10 +423,23 @@ mod tests {
         assert!(line.bend.before[0].is_infinite() && line.bend.before[1].is_infinite());
         assert_eq!(line.bend.turned, -0.75f64.to_radians());
         assert!(bend_lines(&text.replace("-0.7500", "")).expect_err("no turn").contains("turned_deg"));
+        assert!(bend_lines(&text.replace("2.000", "")).expect_err("no length").contains("length"));
         let fault = bend_lines(&text.replace("0.5000", "x")).expect_err("no number");
         assert!(fault.contains("line 2") && fault.contains("'x'"), "{fault}");
         assert!(bend_lines(&text.replace("down", "left")).is_err());
         assert!(bend_lines(&text.replace("angle_deg", "turn")).expect_err("a column").contains("'angle_deg'"));
+    }
+
+    #[test]
+    fn bends_have_whole_numbers_of_lines() {
+        let table = |lines: &str| {
+            let head = "part,kind,sense,angle_deg,inside_radius_mm,allowance_mm,k_ansi,lines\n";
+            sheet_bends(&format!("{head}a,bend,up,90,2,5,0.44,{lines}\n"))
+        };
+        assert_eq!(table("2").expect("a row")[0].1.lines, 0..2);
+        for lines in ["", "0", "-1", "1.5", "1e300", "18446744073709551615"] {
+            assert!(table(lines).expect_err(lines).contains("number of lines"), "{lines}");
+        }
     }
 
     #[test]

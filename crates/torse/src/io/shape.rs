@@ -6,7 +6,6 @@
 use crate::geom::{unit, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
-use crate::spline::lsq;
 use crate::spline::through;
 use serde::Deserialize;
 use serde_json::Value;
@@ -428,7 +427,11 @@ fn curve(c: &CurveRecord, scale: f64) -> Result<Curve<3>, (&'static str, String)
             if c.knots.is_some() {
                 return Err(("knots", "curves through points have knots of their own".into()));
             }
-            on_knots(&points.iter().map(place).collect::<Vec<_>>(), spans, &knots).map_err(|e| ("through", e))
+            if points.len() < 2 {
+                return Err(("through", "give at least two points".into()));
+            }
+            let points: Vec<Vec3> = points.iter().map(|p| Vec3::from(place(p))).collect();
+            through::on_knots(&points, &knots, SAMPLES * spans).map_err(|e| ("through", e.to_string()))
         }
         _ => Err(("points", "give \"points\" with \"knots\", or \"through\"".into())),
     }
@@ -448,24 +451,6 @@ pub(crate) fn knots(degree: usize, spans: usize) -> Result<Knots, (&'static str,
     values.extend(vec![1.0; degree + 1]);
     let control = values.len() - degree - 1;
     Knots::new(degree, values, control).map_err(|e| ("spans", e.to_string()))
-}
-
-/// A spline near the cubic through points.
-fn on_knots(points: &[[f64; 3]], spans: usize, knots: &Knots) -> Result<Curve<3>, String> {
-    let given: Vec<Vec3> = points.iter().map(|p| Vec3::from(*p)).collect();
-    if given.len() < 2 {
-        return Err("give at least two points".into());
-    }
-    let cubic = through::cubic(&given, [None, None], false).map_err(|e| e.to_string())?;
-    let (a, b) = cubic.domain();
-    let count = SAMPLES * spans;
-    let parameters: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
-    let at = |t: &f64| {
-        let h = cubic.point(a + (b - a) * t);
-        [h[0] / h[3], h[1] / h[3], h[2] / h[3]]
-    };
-    let samples: Vec<[f64; 3]> = parameters.iter().map(at).collect();
-    lsq::fit(&samples, &parameters, knots).map(|f| f.curve).map_err(|e| e.to_string())
 }
 
 #[cfg(test)]

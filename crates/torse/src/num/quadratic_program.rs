@@ -76,11 +76,6 @@ impl QuadraticProgram {
         self.bounds.push(bound);
     }
 
-    /// Number of constraints.
-    pub fn constraint_count(&self) -> usize {
-        self.bounds.len()
-    }
-
     /// The minimum, by the method that suits the size.
     ///
     /// # Errors

@@ -65,7 +65,7 @@ pub fn approximate(model: &Model, options: &Options) -> Result<Answer, Approxima
 /// Approximates faces by developable panels within a tolerance.
 ///
 /// *Method.* [`crate::search::cover`] per face, in parallel; panels built by [`crate::fit::panels::boundary`]; the proof by
-/// [`certify::patchwork`], which shares nothing with the fit; development of every panel.
+/// [`certify::patchwork`], which names nothing of the fit; development of every panel.
 /// *Guarantee.* The status is [`Status::Certified`] only if the certificate holds for every panel as exported.
 /// Ended early by `control`, the answer holds the finest complete cover found, with its bound; ended by `max_panels`, the
 /// best panels found. It says why it is not certified.

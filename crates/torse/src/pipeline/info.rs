@@ -182,7 +182,7 @@ fn principal_curvatures(jet: &SurfaceJet) -> Option<(f64, f64)> {
         return None;
     }
     let n: Vec3 = cross / det.sqrt();
-    let (l, m, nn) = (n.dot(&jet.duu), n.dot(&jet.duv), n.dot(&jet.dvv));
+    let [l, m, nn] = jet.second_form(&n);
     let gauss = (l * nn - m * m) / det;
     let mean = 0.5 * (e * nn - 2.0 * f * m + g * l) / det;
     let root = (mean * mean - gauss).max(0.0).sqrt();

@@ -115,15 +115,14 @@ pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panel
 }
 
 /// Bound (mm) of the distance between the panels of a part as their file has them and as they are compared; `aim` (mm) is
-/// fine enough.
-pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> UpperBound {
+/// fine enough. `None` for strips, which are bounded by lines of their parameters and compared as they are.
+pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> Option<UpperBound> {
     match panels {
-        // Strips are bounded by lines of their parameters.
-        Panels::Strips(_) => UpperBound::nothing(),
-        Panels::Faces(all) => UpperBound::largest(part.record.panels.iter().map(|name| match all.get(name) {
+        Panels::Strips(_) => None,
+        Panels::Faces(all) => Some(UpperBound::largest(part.record.panels.iter().map(|name| match all.get(name) {
             Some(face) if face.surface_deviation_estimate == 0.0 => trim_proof(face, aim).bound(),
             _ => UpperBound::UNKNOWN,
-        })),
+        }))),
     }
 }
 

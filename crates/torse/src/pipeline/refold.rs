@@ -77,7 +77,7 @@ pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync), control: &Control
                 Err(e) => Err(e.clone()),
             };
             let aim = AIM * folder.report.tolerance;
-            let read = in_space.as_ref().map_or(UpperBound::UNKNOWN, |all| read_bound(all, p, aim));
+            let read = in_space.as_ref().map_or(Some(UpperBound::UNKNOWN), |all| read_bound(all, p, aim));
             Ok(answer(p, (flat, back), found, (read, control)))
         })
         .collect();
@@ -99,7 +99,7 @@ fn answer(
     part: &ResultPart,
     (flat, refolded): (FlatPart, Refolded),
     found: Result<Vec<Atlas>, String>,
-    (read, control): (UpperBound, &Control),
+    (read, control): (Option<UpperBound>, &Control),
 ) -> PartAnswer {
     let mut out = PartAnswer {
         name: part.record.name.clone(),
@@ -121,7 +121,7 @@ fn answer(
     let Some((atlas, c)) = best(&out.flat, &out.refolded, &all) else { return out };
     let bounds = |flat: &FlatPart, back: &Refolded, c: &Comparison| -> Vec<(String, Result<f64, NotRefolded>)> {
         let of = |p: PanelBound| {
-            let found = p.found.map(|b| b.plus(read).value());
+            let found = p.found.map(|b| read.map_or(b, |read| b.plus(read)).value());
             (p.name, found.and_then(|b| if b.is_finite() { Ok(b) } else { Err(NotRefolded::NotExact) }))
         };
         distance_bounds(flat, back, (atlas, &c.motion), control).into_iter().map(of).collect()

@@ -1,8 +1,8 @@
-//! Floor 7: the loops that propose, have judged, and refine. The only floor that names both those who propose (`fit`,
-//! `design`) and the judge (`certify`): `face` tells the story of one face: [`trims`] says how true its border is, `creased`
-//! cuts it at its own sharp edges, `smooth` joins it with its neighbours, [`cover`] covers it with torses, [`build`] makes
-//! panels of them, `sheet` and `slivers` keep to what a shop can cut, `stitch` lets neighbouring panels meet; [`strips`] finds
-//! the strips of the other jobs.
+//! Floor 7: the loops that propose, have judged, and refine. Below the jobs it is the only floor where some propose
+//! (`fit`, `design`) and another judges (`certify`): `face` tells the story of one face: [`trims`] says how true its
+//! border is, `creased` cuts it at its own sharp edges, `smooth` joins it with its neighbours, [`cover`] covers it with
+//! torses, [`build`] makes panels of them, `sheet` and `slivers` keep to what a shop can cut, `stitch` lets
+//! neighbouring panels meet; [`strips`] finds the strips of the other jobs.
 
 pub(crate) mod apex;
 pub mod build;

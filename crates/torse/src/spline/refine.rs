@@ -158,6 +158,17 @@ impl<const D: usize> Curve<D> {
         Ok(Self { knots, control })
     }
 
+    /// The same curve as one of this degree, if its own is lower.
+    ///
+    /// # Errors
+    /// The degree is higher than the largest supported one.
+    pub fn elevated_to(mut self, degree: usize) -> Result<Self, SplineError> {
+        while self.knots.degree() < degree {
+            self = self.elevated()?;
+        }
+        Ok(self)
+    }
+
     /// The part over `[a, b]`, clamped.
     ///
     /// # Errors
@@ -239,6 +250,20 @@ impl Surface {
     /// The degree is the largest supported one.
     pub fn elevated_v(&self) -> Result<Self, SplineError> {
         Ok(self.over_v(self.knots_v.elevated()?))
+    }
+
+    /// The same surface of these degrees in u and v, where its own are lower.
+    ///
+    /// # Errors
+    /// A degree is higher than the largest supported one.
+    pub fn elevated_to(mut self, [degree_u, degree_v]: [usize; 2]) -> Result<Self, SplineError> {
+        while self.knots_u.degree() < degree_u {
+            self = self.elevated_u()?;
+        }
+        while self.knots_v.degree() < degree_v {
+            self = self.elevated_v()?;
+        }
+        Ok(self)
     }
 
     /// The part over `[u0, u1] × [v0, v1]`, clamped.
@@ -334,6 +359,9 @@ mod tests {
             let higher = curve.elevated().expect("degree allowed");
             prop_assert_eq!(higher.knots.degree(), curve.knots.degree() + 1);
             prop_assert!(apart(&curve, &higher, |t| t) < 1e-9);
+            let degree = curve.knots.degree();
+            prop_assert_eq!(&curve.clone().elevated_to(degree).expect("as it is"), &curve);
+            prop_assert_eq!(curve.elevated_to(degree + 2).expect("degree"), higher.elevated().expect("degree"));
         }
 
         #[test]
@@ -352,6 +380,8 @@ mod tests {
         fn surfaces_are_unchanged(s in any_surface(), x in 0.1..0.9f64, y in 0.1..0.9f64) {
             let finer = s.with_knots(&[x], &[y]).expect("inside");
             let higher = s.elevated_u().expect("degree").elevated_v().expect("degree");
+            let degrees = [higher.knots_u.degree(), higher.knots_v.degree()];
+            prop_assert_eq!(&s.clone().elevated_to(degrees).expect("degree"), &higher);
             let turned = s.transposed();
             let part = s.restricted((0.0, x), (y, 1.0)).expect("inside");
             let back = s.reversed_u();

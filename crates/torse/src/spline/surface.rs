@@ -44,6 +44,12 @@ impl SurfaceJet {
     pub fn normal(&self) -> Vec3 {
         self.du.cross(&self.dv)
     }
+
+    /// `[n·S_uu, n·S_uv, n·S_vv]`: the second fundamental form where `n` is the unit normal. About [`Self::normal`] as it is,
+    /// the length of that is in each of the three.
+    pub fn second_form(&self, n: &Vec3) -> [f64; 3] {
+        [n.dot(&self.duu), n.dot(&self.duv), n.dot(&self.dvv)]
+    }
 }
 
 /// Evaluates with loops of known length for the degrees that nearly all surfaces have, `$otherwise` for the rest.

@@ -1,6 +1,8 @@
 //! The twice continuously differentiable cubic through points, with chord lengths as parameters \[PT97, 9.2.3\].
 
 use super::curve::Curve;
+use super::knots::Knots;
+use super::lsq::{self, LsqError};
 use super::SplineError;
 use crate::geom::Vec3;
 
@@ -47,6 +49,23 @@ pub fn cubic(points: &[Vec3], ends: [Option<Vec3>; 2], closed: bool) -> Result<C
     Curve::new(3, knots, control.iter().map(|p| [p.x, p.y, p.z, 1.0]).collect())
 }
 
+/// The spline over clamped `knots` on [0, 1] that is nearest in the sense of least squares to the cubic through `points` (mm) at
+/// `count` + 1 even parameters; through the first and the last point.
+///
+/// # Errors
+/// Fewer than two different points, coordinates that are not finite, fewer parameters than the knots need.
+pub fn on_knots(points: &[Vec3], knots: &Knots, count: usize) -> Result<Curve<3>, LsqError> {
+    let cubic = cubic(points, [None, None], false)?;
+    let (a, b) = cubic.domain();
+    let parameters: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
+    let at = |t: &f64| {
+        let h = cubic.point(a + (b - a) * t);
+        [h[0] / h[3], h[1] / h[3], h[2] / h[3]]
+    };
+    let samples: Vec<[f64; 3]> = parameters.iter().map(at).collect();
+    Ok(lsq::fit(&samples, &parameters, knots)?.curve)
+}
+
 /// Derivatives at the points that make the second derivatives equal on both sides.
 fn slopes(points: &[Vec3], h: &[f64], ends: [Option<Vec3>; 2], closed: bool) -> Vec<Vec3> {
     let n = h.len();
@@ -81,6 +100,20 @@ mod tests {
     fn second(c: &Curve<4>, t: f64) -> Vec3 {
         let d = c.jet(t)[2];
         Vec3::new(d[0], d[1], d[2])
+    }
+
+    #[test]
+    fn on_given_knots_it_stays_near_the_cubic() {
+        let p = [[0.0, 0.0, 0.0], [5.0, 0.0, 1.0], [10.0, 0.0, 0.0]].map(Vec3::from);
+        let mut values = vec![0.0; 4];
+        (1..4).for_each(|k| values.extend([f64::from(k) / 4.0; 2]));
+        values.extend([1.0; 4]);
+        let knots = Knots::new(3, values, 10).expect("knots");
+        let c = on_knots(&p, &knots, 48).expect("a spline");
+        for (t, x) in [(0.0, p[0]), (0.5, p[1]), (1.0, p[2])] {
+            assert!((Vec3::from(c.point(t)) - x).norm() < 1e-3, "{t}");
+        }
+        assert!(on_knots(&p, &knots, 2).is_err() && on_knots(&p[..1], &knots, 48).is_err());
     }
 
     #[test]

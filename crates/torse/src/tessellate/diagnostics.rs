@@ -25,7 +25,8 @@ pub fn curvature(jet: &SurfaceJet) -> f64 {
     let n = jet.normal();
     let area = n.norm_squared();
     // The second form with the unnormalised normal: two lengths of it too many.
-    finite((n.dot(&jet.duu) * n.dot(&jet.dvv) - n.dot(&jet.duv).powi(2)) / (area * area))
+    let [l, m, k] = jet.second_form(&n);
+    finite((l * k - m.powi(2)) / (area * area))
 }
 
 fn finite(x: f64) -> f64 {

@@ -2,7 +2,8 @@
 //! developables through control nets ([`net`]), cone splines ([`cone`]), strips between rails ([`strip`]), strips of
 //! plane quadrilaterals ([`quad_strip`]), and what people call their kinds ([`kind`]).
 //!
-//! Nothing iterates here, and nothing is known of the faces that a torse is to approximate.
+//! What iterates here looks for the roots and best values that a form has by itself: parameters of a given plane, free numbers
+//! of a net, rulings that keep within given lengths. Nothing is known of the faces that a torse is to approximate.
 
 pub mod cone;
 pub mod contact;

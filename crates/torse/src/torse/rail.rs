@@ -410,17 +410,11 @@ impl Rail {
     /// Pieces whose degree cannot be raised (none for valid rails).
     pub fn as_one(&self) -> Result<Option<Curve<4>>, SplineError> {
         let degree = self.pieces.iter().map(|p| p.knots.degree()).max().unwrap_or(1);
-        let raised = |mut c: Curve<4>| {
-            while c.knots.degree() < degree {
-                c = c.elevated()?;
-            }
-            Ok::<_, SplineError>(c)
-        };
         let mut whole: Option<Curve<4>> = None;
         for piece in &self.pieces {
             whole = Some(match whole {
                 None => piece.clone(),
-                Some(before) => match joined(&raised(before)?, &raised(piece.clone())?)? {
+                Some(before) => match joined(&before.elevated_to(degree)?, &piece.clone().elevated_to(degree)?)? {
                     Some(one) => one,
                     None => return Ok(None),
                 },

@@ -266,13 +266,9 @@ const ONE_KNOT: f64 = 1e-9;
 
 /// The same curves over the same knots on [0, 1], up to [`ONE_KNOT`].
 fn matched(a: &Curve<4>, b: &Curve<4>) -> Result<(Curve<4>, Curve<4>), SplineError> {
-    let (mut a, mut b) = (on_unit(a)?, on_unit(b)?);
-    while a.knots.degree() < b.knots.degree() {
-        a = a.elevated()?;
-    }
-    while b.knots.degree() < a.knots.degree() {
-        b = b.elevated()?;
-    }
+    let (a, b) = (on_unit(a)?, on_unit(b)?);
+    let a = a.elevated_to(b.knots.degree())?;
+    let mut b = b.elevated_to(a.knots.degree())?;
     // Knots that differ by rounding are one: a span between them would have no direction.
     let known = a.knots.breaks();
     let one = |t: &f64| known.iter().copied().find(|k| (k - t).abs() <= ONE_KNOT).unwrap_or(*t);

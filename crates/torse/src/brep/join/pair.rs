@@ -54,18 +54,10 @@ pub(super) fn joined(a: &Face, s: usize, b: &Face, t: usize, backwards: bool, op
         b = reversed_v(&b);
     }
     // One degree.
-    while a.surface.knots_u.degree() < b.surface.knots_u.degree() {
-        a.surface = a.surface.elevated_u().ok()?;
-    }
-    while b.surface.knots_u.degree() < a.surface.knots_u.degree() {
-        b.surface = b.surface.elevated_u().ok()?;
-    }
-    while a.surface.knots_v.degree() < b.surface.knots_v.degree() {
-        a.surface = a.surface.elevated_v().ok()?;
-    }
-    while b.surface.knots_v.degree() < a.surface.knots_v.degree() {
-        b.surface = b.surface.elevated_v().ok()?;
-    }
+    let degrees = |f: &Face| [f.surface.knots_u.degree(), f.surface.knots_v.degree()];
+    let (of_a, of_b) = (degrees(&a), degrees(&b));
+    a.surface = a.surface.elevated_to(of_b).ok()?;
+    b.surface = b.surface.elevated_to(of_a).ok()?;
     // One knot vector along the side.
     let pace = pace(&a.surface, &b.surface, options.mismatch)?;
     let range = a.surface.knots_v.domain();

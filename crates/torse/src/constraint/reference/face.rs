@@ -34,7 +34,7 @@ impl FaceReference {
         let y = normal.cross(&x);
         // Second fundamental form in the frame x, y: S_u = a x, S_v = b x + c y.
         let (a, b, c) = (j.du.norm(), j.dv.dot(&x), j.dv.dot(&y));
-        let (l, m, n) = (j.duu.dot(&normal), j.duv.dot(&normal), j.dvv.dot(&normal));
+        let [l, m, n] = j.second_form(&normal);
         let xx = l / (a * a);
         let xy = (m / a - b * xx) / c;
         let yy = (n - b * b * xx - 2.0 * b * c * xy) / (c * c);

@@ -89,7 +89,7 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
         return None;
     }
     let n = n.normalize();
-    let (l, m, k) = (n.dot(&j.duu), n.dot(&j.duv), n.dot(&j.dvv));
+    let [l, m, k] = j.second_form(&n);
     let [_, fu, fv] = field.jet(p[0], p[1]);
     // T = (φ_v, −φ_u); the conjugate (a, b) solves II(T, (a, b)) = 0.
     let (a, b) = (m * fv - k * fu, -(l * fv - m * fu));

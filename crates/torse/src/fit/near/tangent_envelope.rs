@@ -109,7 +109,7 @@ fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result
         return Err(AlongError::Normal { share });
     }
     let n = n.normalize();
-    let second = [n.dot(&j.duu), n.dot(&j.duv), n.dot(&j.dvv)];
+    let second = j.second_form(&n);
     let along = j.du * t[0] + j.dv * t[1];
     let speed = along.norm();
     if speed.is_nan() || speed <= 0.0 {

@@ -107,10 +107,8 @@ impl FileCurve {
         let degree = pieces.iter().map(|c| c.knots.degree()).max().unwrap_or(1);
         let mut knots = Vec::new();
         let mut control: Vec<[f64; 4]> = Vec::new();
-        for (mut c, p) in pieces.into_iter().zip(&self.pieces) {
-            while c.knots.degree() < degree {
-                c = c.elevated().map_err(|e| Fault(e.to_string()))?;
-            }
+        for (c, p) in pieces.into_iter().zip(&self.pieces) {
+            let c = c.elevated_to(degree).map_err(|e| Fault(e.to_string()))?;
             let (a, b) = c.domain();
             let c = c.restricted(a, b).map_err(|e| Fault(e.to_string()))?;
             let inner = &c.knots.values()[degree + 1..c.control.len()];

@@ -119,14 +119,14 @@ impl Ends {
     /// Two-sided distances between faces and what took their place.
     fn face_distances(&self, panels: &[Panel], tolerance: f64, control: &Control) -> Vec<Claim> {
         let mut out = Vec::new();
-        let mut worst = UpperBound::nothing();
+        let mut bounds = Vec::new();
         for (face, own) in &self.faces {
             let own: Vec<(usize, &Panel)> = panels.iter().enumerate().take(own.end).skip(own.start).collect();
             let Some((first, panel)) = own.first() else { continue };
             let near: Vec<&Panel> = own.iter().map(|p| p.1).collect();
             let found = panels_from_faces(&near, std::slice::from_ref(face), tolerance, control);
             let bound = found.map_or(UpperBound::UNKNOWN, |f| f.there.max(f.back));
-            worst = worst.max(bound);
+            bounds.push(bound);
             let seen = found.map(|f| (f.seen, f.place));
             let reason =
                 Reason::of(Item::Named(panel.strip.name.clone()), StripReason::FromFace { within: tolerance, seen });
@@ -144,7 +144,7 @@ impl Ends {
             out.extend(own.iter().skip(1).map(|p| claim(p.0)));
         }
         if !self.faces.is_empty() {
-            out.insert(0, Claim::at_most(What::FaceDistance, Subject::Whole, worst));
+            out.insert(0, Claim::at_most(What::FaceDistance, Subject::Whole, UpperBound::largest(bounds)));
         }
         out
     }

@@ -246,7 +246,7 @@ impl State {
         Forms {
             uv: self.partition.vertices[v as usize],
             first: [s.du.dot(&s.du), s.du.dot(&s.dv), s.dv.dot(&s.dv)],
-            second: [n.dot(&s.duu), n.dot(&s.duv), n.dot(&s.dvv)],
+            second: s.second_form(n),
         }
     }
 
@@ -258,17 +258,6 @@ impl State {
     /// Box of a label in space.
     pub fn bbox(&self, label: u32) -> BBox {
         BBox::of(self.partition.region_vertices(label).iter().map(|&v| &self.jets[v as usize].jet.p))
-    }
-
-    /// Longest triangle edge of a label in space, mm.
-    pub fn mesh_size(&self, label: u32) -> f64 {
-        let mut longest: f64 = 0.0;
-        for t in self.partition.region(label) {
-            for (a, b) in edges(self.partition.triangles[t]) {
-                longest = longest.max((self.jets[a as usize].jet.p - self.jets[b as usize].jet.p).norm());
-            }
-        }
-        longest
     }
 }
 

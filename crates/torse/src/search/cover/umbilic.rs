@@ -93,7 +93,7 @@ fn contains([a, b, c]: &[[f64; 2]; 3], p: &[f64; 2]) -> bool {
 fn bends(surface: &Surface, uv: [f64; 2], [a, b]: [[f64; 2]; 2]) -> Option<[f64; 3]> {
     let j = surface.jet(uv[0], uv[1]);
     let n = j.normal().try_normalize(0.0)?;
-    let (l, m, k) = (n.dot(&j.duu), n.dot(&j.duv), n.dot(&j.dvv));
+    let [l, m, k] = j.second_form(&n);
     let form = |a: [f64; 2], b: [f64; 2]| l * a[0] * b[0] + m * (a[0] * b[1] + a[1] * b[0]) + k * a[1] * b[1];
     Some([form(a, a), form(a, b), form(b, b)])
 }

@@ -3,7 +3,7 @@
 
 pub mod pose;
 
-use crate::geom::{Vec2, Vec3};
+use crate::geom::Vec3;
 use pose::{Pose, Rates};
 
 /// A stretch between two rulings.
@@ -65,11 +65,6 @@ impl Ribbon {
     pub fn frame(&self, spot: &Spot) -> (Vec3, Pose) {
         let pose = self.space(spot.t);
         (pose.point(spot.v, 0.0), pose)
-    }
-
-    /// The point of the plane.
-    pub fn flat_point(&self, spot: &Spot) -> Vec2 {
-        self.flat(spot.t).point(spot.v, 0.0).xy()
     }
 
     /// Greatest turn of the sheet per mm across, over the sheet: one over the least radius of curvature.

@@ -358,14 +358,12 @@ fn following(mut path: Path) -> Path {
 
 /// Pieces that follow each other as one spline, each with its own length of parameters.
 fn joined(path: &[Arc]) -> Result<Curve<4>, SplineError> {
-    let mut splines = path.iter().map(spline_of).collect::<Result<Vec<_>, _>>()?;
+    let splines = path.iter().map(spline_of).collect::<Result<Vec<_>, _>>()?;
     let degree = splines.iter().map(|c| c.knots.degree()).fold(1, usize::max);
     let mut knots: Vec<f64> = Vec::new();
     let mut control: Vec<[f64; 4]> = Vec::new();
-    for c in &mut splines {
-        while c.knots.degree() < degree {
-            *c = c.elevated()?;
-        }
+    for c in splines {
+        let c = c.elevated_to(degree)?;
         let (a, b) = c.domain();
         let start = knots.last().copied().unwrap_or(a);
         let shifted = |t: &f64| start + (t - a);
