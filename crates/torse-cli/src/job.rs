@@ -14,6 +14,7 @@ use torse::answer::skipped::Skipped;
 use torse::answer::Answer;
 use torse::certify::claim::{Status, What};
 use torse::control::Control;
+use torse::develop::shop::thickness::Sheet;
 use torse::develop::unfold::allowance::KFactor;
 use torse::io::marks::{chosen, do_not_cut, FEW};
 use torse::io::words;
@@ -66,6 +67,11 @@ impl<'a> Job<'a> {
     pub fn k(&self) -> Option<KFactor> {
         let of_material = || self.shop.material.as_ref().and_then(|m| m.k.clone());
         self.shop.k.clone().or_else(of_material)
+    }
+
+    /// The sheet that surfaces are made of, if a thickness was given.
+    pub fn sheet(&self) -> Option<Sheet> {
+        self.shop.sheet()
     }
 
     /// Shows what the program itself is doing.

@@ -6,7 +6,7 @@ use crate::folder::{is_of_result, is_same_file, LoneFile};
 use crate::input::contents;
 use crate::refold::file_of;
 use std::io::Write as _;
-use torse::io::artwork::{self, Artwork};
+use torse::io::artwork::{self, Artwork, PointRow};
 use torse::pipeline::map_artwork::{read_map, ArtworkMap, MapError, Side};
 use torse::torse::rail::Rail;
 
@@ -33,7 +33,7 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
         To::Space => Side::Space,
     };
     let (notes, (bytes, mut told)) = match artwork {
-        Artwork::Points(points) => (Vec::new(), carried_points(&map, &points, to)),
+        Artwork::Points(points, blank) => (passed_on(&blank), carried_points(&map, &points, &blank, to)),
         Artwork::Curves(curves, notes) => (notes, carried_curves(&map, &curves, to)),
     };
     told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
@@ -72,8 +72,21 @@ fn refuse_own(arguments: &Map) -> Result<(), Failure> {
     Ok(())
 }
 
-fn carried_points(map: &ArtworkMap, points: &[(usize, torse::geom::Vec3)], to: Side) -> (Vec<u8>, Vec<String>) {
-    let rows = map.points(points, to);
+/// A note on rows without a place.
+fn passed_on(blank: &[usize]) -> Vec<String> {
+    let lines: Vec<String> = blank.iter().take(TOLD).map(ToString::to_string).collect();
+    let more = if blank.len() > TOLD { " and more" } else { "" };
+    let note = || format!("passed on as they are, without a place: lines {}{more}", lines.join(", "));
+    (!blank.is_empty()).then(note).into_iter().collect()
+}
+
+fn carried_points(
+    map: &ArtworkMap,
+    points: &[(usize, torse::geom::Vec3)],
+    blank: &[usize],
+    to: Side,
+) -> (Vec<u8>, Vec<String>) {
+    let mut rows = map.points(points, to);
     let off: Vec<_> = rows.iter().filter(|r| r.place.is_none()).collect();
     let mut told: Vec<String> = off
         .iter()
@@ -83,6 +96,8 @@ fn carried_points(map: &ArtworkMap, points: &[(usize, torse::geom::Vec3)], to: S
     if off.len() > TOLD {
         told.push(format!("and {} more points lie on no part", off.len() - TOLD));
     }
+    rows.extend(blank.iter().map(|&line| PointRow { line, part: String::new(), place: None, distance: f64::NAN }));
+    rows.sort_by_key(|r| r.line);
     (artwork::csv(&rows, to == Side::Flat), told)
 }
 

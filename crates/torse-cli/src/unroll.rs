@@ -5,6 +5,7 @@ use crate::failure::{os_reason, Failure};
 use crate::folder::{remove_surplus, Numbered};
 use crate::input::contents;
 use crate::job::{refuse_left_out, Job};
+use crate::shop::fibre_in_sheet;
 use crate::terminal::Terminal;
 use crate::wiring;
 use std::io::Write as _;
@@ -18,6 +19,9 @@ use torse::UnrollOptions;
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
     let file = &arguments.file;
+    if arguments.surfaces {
+        fibre_in_sheet(&arguments.files.shop)?;
+    }
     let bytes = contents(file)?;
     if let Some(count) = arguments.split {
         return split(arguments, &bytes, count as usize);
@@ -47,6 +51,7 @@ fn one(arguments: &Unroll, model: &Model, job: Job) -> Result<bool, Failure> {
         k: if arguments.surfaces { KFactor::default() } else { job.k().unwrap_or_default() },
         facets: arguments.files.shop.facets,
         surfaces: arguments.surfaces,
+        sheet: job.sheet(),
         joins: arguments.bends.clone(),
         approximate: arguments.approximate.as_ref().map(|l| l.mm),
         input: arguments.files.job_name(file),

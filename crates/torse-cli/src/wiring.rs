@@ -46,9 +46,8 @@ fn reading_hint(error: &ReadError) -> &'static str {
             "write its unit as SI_UNIT(.MILLI.,.METRE.) or convert from it"
         }
         ReadError::Step(step::ReadError::NotStep(_)) => "give a STEP, IGES or Rhino file",
-        ReadError::Step(step::ReadError::Empty | step::ReadError::NoFaces { .. }) => {
-            "export the surfaces as STEP (AP203, AP214 or AP242)"
-        }
+        ReadError::Step(step::ReadError::Empty) => "export it again, or copy it anew: it holds nothing",
+        ReadError::Step(step::ReadError::NoFaces { .. }) => "export the surfaces as STEP (AP203, AP214 or AP242)",
         ReadError::Iges(iges::ReadError::OtherForm(_)) => {
             "save it in the fixed ASCII form, or export the surfaces as STEP"
         }

@@ -100,7 +100,7 @@ fn what_cannot_be_meant_is_refused() {
     let out = dir.path().join("flat");
     for (options, words) in [
         (&["unroll", "--tolerance", "0.05mm", "--k", "1.5"][..], "between 0 and 1"),
-        (&["unroll", "--tolerance", "0.05mm", "--k", "0.4", "--surfaces"], "cannot be used with"),
+        (&["unroll", "--tolerance", "0.05mm", "--k", "0.4", "--surfaces"], "no thickness is given"),
         (&["unroll", "--tolerance", "0.05mm", "--k", "0.4"], "add --thickness"),
         (&["approximate", "--tolerance", "1mm", "--k", "0.4"], "add --thickness"),
         (&["unroll", "--tolerance", "0.05"], "no unit"),
@@ -171,7 +171,7 @@ fn options_that_contradict_are_refused_by_name() {
         (&["--k=-0.1"], "--k", "between 0 and 1"),
         (&["--k", "nan"], "--k", "between 0 and 1"),
         (&["--k", "soft"], "--k: cannot read 'soft'", "--k 0.44"),
-        (&["--k", "0.4", "--surfaces"], "--k", "leave one of both out"),
+        (&["--k", "0.4", "--surfaces"], "--k", "add --thickness"),
         (&["--outer", "--inner"], "--inner", "leave one of both out"),
         (&["--bends", "none,#17"], "--bends", "'#17,#23'"),
         (&["--bends", "#99999"], "#99999", "names the edges of sharp bends"),

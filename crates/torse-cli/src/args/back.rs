@@ -11,7 +11,8 @@ use std::path::PathBuf;
 
 Reads only what another command wrote into the folder: report.json, patterns.dxf (or patterns.svg), bends.csv, bend_table.csv
 and panels.step. Bends every flat part back from its drawing and its bend tables and measures how far it is from its panels
-in space after the best rigid motion. What is told is measured at samples, not proven.
+in space after the best rigid motion: at samples, and with a proven bound for the surfaces and their edges, both ways, where
+that can be had.
 
 Written into the output folder: refold.json, refolded.glb.
 

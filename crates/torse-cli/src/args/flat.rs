@@ -19,7 +19,8 @@ use torse::develop::unfold::tree::Joins;
 
 A body of constant thickness is recognised as sheet: its thickness is measured, the sides are dropped, and one skin is
 unfolded into one part, holes across bends included. It is cut where it would overlap or close up; the report names the edges.
-Bent zones get the length of the neutral fibre. Surfaces without thickness are unfolded as they are.
+Bent zones get the length of the neutral fibre. Surfaces without thickness are unfolded as they are, or, with --thickness, --side
+and --k, as the neutral fibre of such a sheet.
 Faces that are not developable are left out and named, and the result is then not certified; --approximate 0.5mm covers
 just those by panels within that distance.
 
@@ -42,8 +43,9 @@ pub struct Unroll {
     #[command(flatten)]
     pub chosen: Chosen,
 
-    /// Take all faces as surfaces without thickness
-    #[arg(long, conflicts_with = "k")]
+    /// Take all faces as surfaces without thickness; with --thickness they get one, and --k and --side say where its neutral fibre
+    /// lies, which is laid flat
+    #[arg(long)]
     pub surfaces: bool,
 
     /// Cover faces that are not developable by panels within this distance, with its unit, as 'torse approximate' does

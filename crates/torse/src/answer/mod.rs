@@ -14,7 +14,7 @@ use crate::certify::claim::{Claim, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::written::WrittenCertificate;
 use crate::certify::Certificate;
-use crate::develop::unfold::part::SheetPart;
+use crate::develop::unfold::part::{PlacedChart, SheetPart};
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
@@ -148,6 +148,8 @@ pub struct Answer {
     pub patterns: Vec<Pattern>,
     /// Thickness and bends of sheet metal, one for each pattern; empty for jobs that know no thickness.
     pub sheets: Vec<SheetPart>,
+    /// Of parts that are one face of the input, laid flat by its own map, that map, in the order of the patterns.
+    pub charts: Vec<Option<PlacedChart>>,
     /// What was proven about flat patterns, in the same order; empty where lengths were only measured.
     pub flat: Vec<FlatCertificate>,
     /// Files that were read back, by name, and whether they hold what was judged; empty before anything is written.
@@ -209,6 +211,7 @@ impl Answer {
             parts: Vec::new(),
             patterns: Vec::new(),
             sheets: Vec::new(),
+            charts: Vec::new(),
             flat: Vec::new(),
             written: Vec::new(),
             cones: None,

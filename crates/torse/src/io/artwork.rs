@@ -1,6 +1,6 @@
 //! Artwork: points in tables and curves in drawings, read, and written in the same kind after they were carried over.
 
-pub(crate) use crate::develop::refold::artwork::PointRow;
+pub use crate::develop::refold::artwork::PointRow;
 use crate::geom::Vec3;
 use crate::io::curves::{read_all, CurveError, CurveOptions};
 use crate::io::table::{self, Fault};
@@ -10,8 +10,8 @@ use std::fmt::Write as _;
 /// A file of artwork.
 #[derive(Clone, Debug)]
 pub enum Artwork {
-    /// Points of a table, mm, each with its line.
-    Points(Vec<(usize, Vec3)>),
+    /// Points of a table, mm, each with its line, and the lines of rows without a place: points that lay on no part before.
+    Points(Vec<(usize, Vec3)>, Vec<usize>),
     /// Curves of a drawing, with what was not read of it.
     Curves(Vec<Rail>, Vec<String>),
 }
@@ -64,8 +64,12 @@ fn points(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> 
     let in_space = table.width() != 2 && (!table.is_named() || table.column("z").map_err(named)?.is_some());
     let columns = table.needed(if in_space { &["x", "y", "z"] } else { &["x", "y"] }).map_err(named)?;
     let unit = table.unit(&columns).map_err(named)?.unwrap_or(unit);
-    let (mut out, mut values) = (Vec::with_capacity(table.rows.len()), Vec::new());
+    let (mut out, mut blank, mut values) = (Vec::with_capacity(table.rows.len()), Vec::new(), Vec::new());
     for row in &table.rows {
+        if table.is_named() && table.is_blank(row, &columns) {
+            blank.push(row.line);
+            continue;
+        }
         table.numbers(row, &columns, &mut values).map_err(named)?;
         let point = Vec3::new(values[0], values[1], values.get(2).copied().unwrap_or(0.0)) * unit;
         if point.iter().any(|x| !x.is_finite()) {
@@ -73,9 +77,9 @@ fn points(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> 
         }
         out.push((row.line, point));
     }
-    match out.is_empty() {
+    match out.is_empty() && blank.is_empty() {
         true => Err(ArtworkError::Empty(name.into())),
-        false => Ok(Artwork::Points(out)),
+        false => Ok(Artwork::Points(out, blank)),
     }
 }
 
@@ -99,8 +103,10 @@ pub fn csv(rows: &[PointRow], flat: bool) -> Vec<u8> {
                 }
             },
         );
+        // Rows without a place have no distance either.
+        let distance = if r.distance.is_finite() { format!("{:.6}", r.distance) } else { String::new() };
         // Writing to a string cannot fail.
-        _ = writeln!(out, "{},\"{name}\",{place},{:.6}", r.line, r.distance);
+        _ = writeln!(out, "{},\"{name}\",{place},{distance}", r.line);
     }
     out.into_bytes()
 }
@@ -179,9 +185,9 @@ mod tests {
 
     #[test]
     fn tables_need_two_columns_in_the_plane_and_name_their_faults() {
-        let Ok(Artwork::Points(p)) = read("a.csv", b"name,x_in,y_in\nhole,1,2\n", 1.0) else { panic!("points") };
+        let Ok(Artwork::Points(p, _)) = read("a.csv", b"name,x_in,y_in\nhole,1,2\n", 1.0) else { panic!("points") };
         assert_eq!(p, vec![(2, Vec3::new(25.4, 50.8, 0.0))]);
-        let Ok(Artwork::Points(p)) = read("a.csv", b"1;2;3\n", 10.0) else { panic!("points") };
+        let Ok(Artwork::Points(p, _)) = read("a.csv", b"1;2;3\n", 10.0) else { panic!("points") };
         assert_eq!(p[0].1, Vec3::new(10.0, 20.0, 30.0));
         for (text, what) in [
             ("x,z\n1,2\n", "must be x, y"),
@@ -192,6 +198,18 @@ mod tests {
             let e = read("a.csv", text.as_bytes(), 1.0).expect_err(text).to_string();
             assert!(e.contains(what), "{e}");
         }
+    }
+
+    #[test]
+    fn rows_without_a_place_are_read_as_they_were_written() {
+        let row = |line, part: &str, place, distance| PointRow { line, part: part.into(), place, distance };
+        let rows =
+            [row(2, "A", Some(Vec3::new(1.0, 2.0, 0.0)), 0.0), row(3, "A", None, 5.25), row(4, "", None, f64::NAN)];
+        for flat in [true, false] {
+            let Ok(Artwork::Points(p, blank)) = read("a.csv", &csv(&rows, flat), 1.0) else { panic!("points") };
+            assert_eq!((p, blank), (vec![(2, Vec3::new(1.0, 2.0, 0.0))], vec![3, 4]));
+        }
+        assert!(read("a.csv", b"x,y,z\n1,,3\n", 1.0).is_err());
     }
 
     #[test]

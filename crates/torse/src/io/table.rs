@@ -366,6 +366,12 @@ impl Table<'_> {
         Ok(())
     }
 
+    /// Whether all of some columns are empty in a row.
+    pub fn is_blank(&self, row: &Row, columns: &[usize]) -> bool {
+        let cells = cells(row.text, self.separator);
+        columns.iter().all(|k| cells.get(*k).is_some_and(|c| c.is_empty()))
+    }
+
     fn no_number(&self, cell: &str) -> String {
         let inner = cell.split(|c: char| c.is_whitespace()).all(|w| number(w).is_some());
         let separators = cell.chars().filter(|c| matches!(c, '.' | ',')).count();

@@ -61,13 +61,17 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
             Some((name.clone(), found))
         })
         .collect();
-    // What the patterns are off already; panels that cover faces have what writing moves among their bounds. What is beyond
-    // the tolerance anyway is told of its part.
-    let of_panels = answer.flat.iter().map(|f| f.drawing_bound()).filter(|d| d.is_finite());
+    // What the patterns are off already leaves of what each may be; panels that cover faces have what writing moves among their
+    // bounds. What is beyond its limit anyway is told of its part.
+    let of_panels = answer.flat.iter().map(|f| answer.tolerance - f.drawing_bound());
     let proven = |c: &&Claim| c.what() == What::DrawingDistance && c.evidence() == Evidence::Proven && !c.is_broken();
-    let of_parts = answer.claims.iter().filter(proven).map(Claim::value).filter(|d| d.is_finite());
-    let drawn = of_panels.chain(of_parts).reduce(f64::max);
-    let left = drawn.map_or(DRAWN_SHARE * answer.tolerance, |d| answer.tolerance - d);
+    let left_of = |c: &Claim| match c.demand() {
+        Demand::AtMost(limit) => limit - c.value(),
+        _ => answer.tolerance - c.value(),
+    };
+    let of_parts = answer.claims.iter().filter(proven).map(left_of);
+    let left = of_panels.chain(of_parts).filter(|d| d.is_finite()).reduce(f64::min);
+    let left = left.unwrap_or(DRAWN_SHARE * answer.tolerance);
     let mut objections = Vec::new();
     for (name, found) in &answer.written {
         let off = Reason::from(WrittenFault::Moved(found.bound()));

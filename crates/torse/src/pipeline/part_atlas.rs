@@ -77,12 +77,11 @@ pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
     if let Some(row) = part.bends.iter().find(curved) {
         return Err(RefoldError::Curve { line: row.lines.start + 1 });
     }
-    match &part.bends[..] {
-        [] => course::refold(part),
-        // One rolled face without planes beside it is one family of rulings.
-        [one] if one.rolled && !one.allowance.is_finite() && part.extents.is_empty() => course::refold(part),
-        _ => sheet::refold(part),
+    // One rolled face without others beside it is one family of rulings, whichever ways it is bent.
+    if part.bends.is_empty() || part.extents.is_empty() && part.bends.iter().all(|b| varies(&b)) {
+        return course::refold(part);
     }
+    sheet::refold(part)
 }
 
 /// The panels of a result by name.

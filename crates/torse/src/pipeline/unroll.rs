@@ -18,6 +18,7 @@ use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
 use crate::develop::bends::Facets;
+use crate::develop::shop::thickness::Sheet;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::FlatPart;
 use crate::develop::unfold::tree::{CutReason, Joins};
@@ -49,6 +50,8 @@ pub struct UnrollOptions {
     pub k: KFactor,
     /// Takes all faces as surfaces without thickness; default false.
     pub surfaces: bool,
+    /// The sheet that surfaces without thickness are made of: flat patterns are those of its neutral fibre. Default none.
+    pub sheet: Option<Sheet>,
     /// Name of the input, for the files; default "model".
     pub input: String,
     /// How rolled faces are kinked; default none: lines every 5°.
@@ -66,6 +69,7 @@ impl UnrollOptions {
             tolerance,
             k: KFactor::default(),
             surfaces: false,
+            sheet: None,
             input: "model".into(),
             facets: None,
             approximate: None,
@@ -185,6 +189,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         patterns: parts.iter().map(|p| p.pattern.clone()).collect(),
         notes: model.notes.iter().cloned().chain(told).collect(),
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
+        charts: parts.iter_mut().map(|p| p.chart.take()).collect(),
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
     let touching = parts.iter().zip(&proofs).filter(|p| !p.1.is_in_one_layer()).map(|p| p.0.pattern.name.clone());

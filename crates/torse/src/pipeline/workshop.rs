@@ -3,6 +3,7 @@
 //! Comes after the job and before its files. What a job has proven of its panels stays; flat patterns that are changed here are
 //! measured from then on, and say so.
 
+mod made;
 mod options;
 mod planes;
 mod refusals;
@@ -12,26 +13,18 @@ use crate::answer::shop::{PartWork, Shop};
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Subject, What};
 use crate::develop::shop::bevel::bevels;
-use crate::develop::shop::facets::faceted;
-use crate::develop::shop::laid::Laid;
-use crate::develop::shop::neutral::offset_pattern;
-use crate::develop::shop::roll::roll_table;
-use crate::develop::shop::sections::sections;
-use crate::develop::shop::thickness::{below_least, too_tight, PartSheet, Sheet};
+use crate::develop::shop::thickness::{below_least, too_tight, Sheet};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::SheetPart;
-use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
 use crate::search::strips::cut::flat_area;
+use made::{made, Made};
 pub use options::{Stations, WorkshopError, WorkshopOptions};
 use planes::planes;
 use rayon::prelude::*;
-
-/// Share of the tolerance to which changed outlines and marks are drawn.
-const DRAWN: f64 = 0.05;
 
 /// Prepares sheet and work of an answer: [`Answer::shop`], marks of sections and patterns of the neutral fibre.
 ///
@@ -49,56 +42,30 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
     let planes = planes(answer, &options.stations)?;
     answer.shop = Shop { material: options.material.clone(), thickness: options.thickness, ..Shop::default() };
     let sheet = options.sheet();
-    let tolerance = DRAWN * answer.tolerance;
-    let made: Vec<(PartWork, Option<Pattern>, bool)> = answer
-        .patterns
-        .par_iter()
-        .map(|pattern| {
-            let part = answer.parts.get(pattern.panel);
-            let laid = part.and_then(|p| Laid::of(&answer.patchwork, p, pattern));
-            let Some(laid) = laid else {
-                // Bodies of sheet have their own thickness, and other charts than their panels.
-                let own = answer.sheets.get(pattern.panel).is_some_and(|s| s.thickness > 0.0);
-                let of = |s: &Sheet| PartSheet { neutral: f64::NAN, ..s.of(pattern) };
-                let sheet = sheet.as_ref().filter(|_| !own).map(of);
-                return (PartWork { sheet, ..PartWork::default() }, None, false);
-            };
-            // The offset of an apex is a curve, which no outline of the panels has; a sheet that does not fit has none.
-            let apex = part.is_some_and(|p| has_apex(answer, p));
-            let of = |s: &Sheet| {
-                let found = s.of(pattern);
-                let none = apex || found.inside_radius <= 0.0;
-                let neutral = if none && found.neutral != 0.0 { f64::NAN } else { found.neutral };
-                PartSheet { neutral, ..found }
-            };
-            let work = PartWork {
-                roll: roll_table(&laid, pattern),
-                faceted: options.kinked.then(|| faceted(&laid, pattern)).flatten(),
-                sheet: sheet.as_ref().map(of),
-            };
-            let neutral = work.sheet.map(|s| s.neutral).filter(|d| d.is_finite()).unwrap_or(0.0);
-            let marks = sections(&laid, pattern, &planes, tolerance);
-            let changed = (!marks.is_empty() || neutral != 0.0).then(|| {
-                let marked = Pattern { sections: marks, ..pattern.clone() };
-                offset_pattern(&laid, &marked, neutral, tolerance)
-            });
-            (work, changed, true)
-        })
-        .collect();
-    let mut moved: Vec<usize> = Vec::new();
-    let mut unknown: Vec<String> = Vec::new();
-    for (k, (work, changed, known)) in made.into_iter().enumerate() {
-        let curved = answer.patterns[k].bends.iter().any(|b| b.angle > 0.0);
-        let moves = sheet.as_ref().is_some_and(|s| s.of(&answer.patterns[k]).neutral != 0.0) && work.sheet.is_some();
+    let made: Vec<Made> = answer.patterns.par_iter().map(|pattern| made(answer, pattern, &planes, options)).collect();
+    let mut told = Told::default();
+    for (k, made) in made.into_iter().enumerate() {
+        let Made { work, changed, known } = made;
+        let pattern = &answer.patterns[k];
+        let curved = pattern.bends.iter().any(|b| b.angle > 0.0);
+        let drawn = answer.sheets.get(pattern.panel).is_some_and(|s| s.given.is_some());
+        let moves = sheet.as_ref().is_some_and(|s| s.of(pattern).neutral != 0.0) && work.sheet.is_some();
         // Rolled faces of bodies are kinked where they are laid flat.
         let kinked = options.kinked && answer.job != Job::Unroll;
         if !known && (!planes.is_empty() || (curved && (kinked || moves))) {
-            unknown.push(answer.patterns[k].name.clone());
+            let list = if drawn { &mut told.places } else { &mut told.unknown };
+            list.push(pattern.name.clone());
+        }
+        if drawn && curved {
+            told.neutral.push(pattern.name.clone());
+        }
+        let is_moved = !drawn && work.sheet.is_some_and(|s| s.neutral.is_finite() && s.neutral != 0.0);
+        if is_moved && changed.is_some() {
+            told.moved.push(k);
+        } else if !drawn && curved && moves && answer.job == Job::Unroll {
+            told.not_neutral.push(k);
         }
         if let Some(pattern) = changed {
-            if work.sheet.is_some_and(|s| s.neutral.is_finite() && s.neutral != 0.0) {
-                moved.push(k);
-            }
             answer.patterns[k] = pattern;
         }
         answer.shop.work.push(work);
@@ -106,10 +73,10 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
     if answer.covers_faces() {
         answer.shop.bevels = bevels(&answer.patchwork);
     }
-    measured_from_now_on(answer, &moved);
-    refuse_grown(answer, &moved, &options.limits);
-    answer.claims.extend(refusals::refusals(answer, options));
-    let notes = notes(answer, options, &moved, unknown);
+    measured_from_now_on(answer, &told.moved);
+    refuse_grown(answer, &told.moved, &options.limits);
+    answer.claims.extend(refusals::refusals(answer, options, &told.not_neutral));
+    let notes = notes(answer, options, told);
     answer.notes.extend(notes.into_iter().map(Note::Shop));
     if let Some(depth) = sheet.as_ref().map(Sheet::greatest_depth) {
         answer.claims.extend(inside_radius(answer, depth));
@@ -117,10 +84,19 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
     Ok(())
 }
 
-/// Whether a strip of a part ends in a point.
-fn has_apex(answer: &Answer, part: &Part) -> bool {
-    let strips = answer.strips().skip(part.first).take(part.count);
-    strips.into_iter().any(|s| s.is_point(0) || s.is_point(1))
+/// What is to be told of parts.
+#[derive(Default)]
+struct Told {
+    /// Patterns moved to the neutral fibre: their numbers.
+    moved: Vec<usize>,
+    /// Patterns that ought to be moved and are not: their numbers.
+    not_neutral: Vec<usize>,
+    /// Names of parts that were laid flat by their neutral fibre.
+    neutral: Vec<String>,
+    /// Of parts of which neither work nor the neutral fibre is known.
+    unknown: Vec<String>,
+    /// Of those of which the work is not known.
+    places: Vec<String>,
 }
 
 /// The least inside radius of all parts: proven where panels cover faces, else measured.
@@ -182,9 +158,13 @@ fn least_radius(sheet: &SheetPart) -> f64 {
 }
 
 /// What people should know of sheet and work.
-fn notes(answer: &Answer, options: &WorkshopOptions, moved: &[usize], unknown: Vec<String>) -> Vec<ShopNote> {
+fn notes(answer: &Answer, options: &WorkshopOptions, told: Told) -> Vec<ShopNote> {
+    let Told { moved, neutral, unknown, places, .. } = told;
     let mut out: Vec<ShopNote> = options.material.clone().map(ShopNote::Material).into_iter().collect();
     out.extend(options.sheet().filter(|_| answer.job != Job::Unroll).map(ShopNote::Sheet));
+    if let Some(sheet) = options.sheet().filter(|_| !neutral.is_empty()) {
+        out.push(ShopNote::OfFibre { parts: neutral, sheet });
+    }
     if !moved.is_empty() {
         out.push(ShopNote::Neutral { parts: moved.iter().map(|&k| answer.patterns[k].name.clone()).collect() });
     }
@@ -213,6 +193,9 @@ fn notes(answer: &Answer, options: &WorkshopOptions, moved: &[usize], unknown: V
     out.extend(worst.map(|displacement_estimate| ShopNote::Kinked { displacement_estimate }));
     if !unknown.is_empty() {
         out.push(ShopNote::Unknown { parts: unknown });
+    }
+    if !places.is_empty() {
+        out.push(ShopNote::NoPlaces { parts: places });
     }
     out
 }

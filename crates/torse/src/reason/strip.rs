@@ -398,6 +398,11 @@ pub enum JobReason {
         /// In which unit that is told.
         unit: LengthUnit,
     },
+    /// A part is not drawn as the neutral fibre of its sheet lies, although that has another length.
+    NotNeutral {
+        /// Name of the part.
+        part: String,
+    },
     /// The panels that cones were made of are not certified, and why.
     Panels(Vec<Reason>),
 }

@@ -17,6 +17,18 @@ pub enum ShopNote {
         /// Names of the parts.
         parts: Vec<String>,
     },
+    /// Flat patterns of the neutral fibre of a sheet that surfaces were given, proven as such.
+    OfFibre {
+        /// Names of the parts.
+        parts: Vec<String>,
+        /// The sheet.
+        sheet: Sheet,
+    },
+    /// Parts of several faces: their work is not known.
+    NoPlaces {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
     /// Flat patterns of the panels, not of the neutral fibre, although that lies beside them.
     NotNeutral {
         /// Names of the parts.

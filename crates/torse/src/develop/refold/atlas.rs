@@ -406,7 +406,7 @@ impl Atlas {
     pub fn unfolded(faces: &[Face], k: &KFactor, thickness: Vec<f64>, tolerance: f64) -> Result<Self, AtlasError> {
         let body = Body::joined(faces.iter().collect(), BESIDE);
         let skin: Vec<usize> = (0..faces.len()).collect();
-        let asked = UnfoldOptions { k: k.clone(), tolerance, thickness, joins: Joins::All };
+        let asked = UnfoldOptions { k: k.clone(), tolerance, thickness, side: None, joins: Joins::All };
         let (pieces, left) = unfold(&body, &skin, &asked);
         if let Some(f) = left.first().map(|k| &faces[*k]) {
             return Err(AtlasError::Panel { name: f.name.clone(), reason: "it has no closed chart".into() });

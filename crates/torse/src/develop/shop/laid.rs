@@ -7,6 +7,8 @@
 use crate::develop::map::Development;
 use crate::develop::pattern::developed;
 use crate::develop::strip;
+use crate::develop::unfold::part::PlacedChart;
+use crate::develop::unfold::region::Motion;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Panel, Patchwork};
@@ -41,13 +43,18 @@ pub struct Spot {
     pub s: f64,
 }
 
+/// How a panel is laid in the plane.
+enum Image<'a> {
+    /// By its own development, and a motion of the image within the part.
+    Developed(Box<Development>, Motion),
+    /// As the face that it is the panel of.
+    Charted(&'a PlacedChart),
+}
+
 /// A panel and its map.
 struct Sheet<'a> {
     patch: &'a Surface,
-    development: Development,
-    /// Motion of the map's image within the part: cosine, sine, move.
-    turn: [f64; 2],
-    offset: Vec2,
+    image: Image<'a>,
     /// Rulings at which it begins and ends.
     range: (f64, f64),
     /// Parameters of rulings, rising, with the ends of their images; the first and the last lie a little beyond the panel.
@@ -91,14 +98,28 @@ impl<'a> Laid<'a> {
         fallback.filter(|_| pattern.rulings.len() > 1)
     }
 
+    /// The same for a part that is one face, laid flat by its chart, or its neutral fibre. `None` where the face closes on itself, so
+    /// that places in space do not tell on which turn they are.
+    pub fn charted(patchwork: &'a Patchwork, part: &Part, pattern: &Pattern, chart: &'a PlacedChart) -> Option<Self> {
+        let panel = patchwork.panels.get(part.first).filter(|p| part.count == 1 && p.trim.is_some())?;
+        if chart.chart.closes() {
+            return None;
+        }
+        let (patch, range) = (&panel.strip.patch, ClippedRulings::new(panel).range());
+        let sheet = Sheet::new(patch, Image::Charted(chart), patch.knots_u.domain(), range, STATIONS.0);
+        let laid = Self { sheets: vec![sheet], mirrored: false, size: pattern.length.max(pattern.area.sqrt()) };
+        pattern.rulings.iter().all(|[a, b]| laid.spot(&((a + b) * 0.5)).is_some()).then_some(laid)
+    }
+
     /// A trimmed panel, and where its outline begins.
     fn trimmed(patchwork: &'a Patchwork, panel: &'a Panel) -> Option<(Vec<Sheet<'a>>, Vec<Vec2>)> {
         let start = panel.loops().first()?.iter().find(|r| !r.is_point())?.trim.control.first().copied()?;
         let (development, _) = developed(patchwork, panel).ok()?;
         let first = development.map(start[0], start[1]);
         let range = ClippedRulings::new(panel).range();
-        let stay = ([1.0, 0.0], Vec2::zeros());
-        Some((vec![Sheet::new(&panel.strip.patch, development, stay, range, STATIONS.0)], vec![first]))
+        let domain = development.domain();
+        let image = Image::Developed(Box::new(development), Motion::identity());
+        Some((vec![Sheet::new(&panel.strip.patch, image, domain, range, STATIONS.0)], vec![first]))
     }
 
     /// A chain of whole strips, with its first corner and those of its last ruling.
@@ -110,8 +131,10 @@ impl<'a> Laid<'a> {
         let corners = vec![first.map(first.strip.domain().0, 0.0), last.map(end, 0.0), last.map(end, 1.0)];
         let each = STATIONS.0.div_ceil(laid.len());
         let sheets = laid.into_iter().map(|l| {
-            let motion = l.motion();
-            Sheet::new(&l.strip.patch, l.development, motion, l.strip.domain(), each)
+            let (turn, shift) = l.motion();
+            let domain = l.development.domain();
+            let image = Image::Developed(Box::new(l.development), Motion { turn, shift });
+            Sheet::new(&l.strip.patch, image, domain, l.strip.domain(), each)
         });
         Some((sheets.collect(), corners))
     }
@@ -226,16 +249,8 @@ impl<'a> Laid<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    fn new(
-        patch: &'a Surface,
-        development: Development,
-        motion: ([f64; 2], Vec2),
-        range: (f64, f64),
-        stations: usize,
-    ) -> Self {
-        let (turn, offset) = motion;
-        let mut out = Self { patch, development, turn, offset, range, rows: Vec::new() };
-        let (a, b) = out.development.domain();
+    fn new(patch: &'a Surface, image: Image<'a>, (a, b): (f64, f64), range: (f64, f64), stations: usize) -> Self {
+        let mut out = Self { patch, image, range, rows: Vec::new() };
         let more = BEYOND * (range.1 - range.0);
         let (lo, hi) = ((range.0 - more).max(a), (range.1 + more).min(b));
         let mut ends = patch.knots_u.breaks();
@@ -257,10 +272,9 @@ impl<'a> Sheet<'a> {
     }
 
     fn ends(&self, t: f64) -> [Vec2; 2] {
-        let [c, s] = self.turn;
-        [0.0, 1.0].map(|v| {
-            let p = self.development.map(t, v);
-            Vec2::new(c * p.x - s * p.y, s * p.x + c * p.y) + self.offset
+        [0.0, 1.0].map(|v| match &self.image {
+            Image::Developed(development, motion) => motion.apply(&development.map(t, v)),
+            Image::Charted(placed) => placed.motion.apply(&placed.chart.flat(&self.patch.point(t, v), None)),
         })
     }
 

@@ -18,6 +18,15 @@ pub enum SheetSide {
 }
 
 impl SheetSide {
+    /// Where a sheet of a thickness (mm) begins and ends, from the surface outwards, mm.
+    pub fn extent(self, thickness: f64) -> [f64; 2] {
+        match self {
+            Self::Inside => [0.0, thickness],
+            Self::Middle => [-0.5 * thickness, 0.5 * thickness],
+            Self::Outside => [-thickness, 0.0],
+        }
+    }
+
     /// Words for reports.
     pub fn words(self) -> &'static str {
         match self {
@@ -76,11 +85,7 @@ pub struct PartSheet {
 impl Sheet {
     /// Where the sheet begins and ends, from the surface outwards, mm.
     pub fn extent(&self) -> [f64; 2] {
-        match self.side {
-            SheetSide::Inside => [0.0, self.thickness],
-            SheetSide::Middle => [-0.5 * self.thickness, 0.5 * self.thickness],
-            SheetSide::Outside => [-self.thickness, 0.0],
-        }
+        self.side.extent(self.thickness)
     }
 
     /// By how much the inside radius is less than the radius of the surface, mm, for either way a part may be hollow.

@@ -77,9 +77,84 @@ impl KFactor {
     }
 }
 
+/// Where the neutral fibre lies below a face of a sheet, which depends on how the face is bent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fibre {
+    /// The K-factor.
+    pub k: KFactor,
+    /// Thickness of the sheet, mm; 0 where the depth is the same everywhere.
+    pub thickness: f64,
+    /// How far (mm) the outer side of the sheet lies above the face.
+    pub above: f64,
+}
+
+impl Fibre {
+    /// The same depth (mm) everywhere.
+    pub fn fixed(depth: f64) -> Self {
+        Self { k: KFactor::Ansi(0.0), thickness: 0.0, above: -depth }
+    }
+
+    /// Whether the depth depends on the bend.
+    pub fn varies(&self) -> bool {
+        self.thickness > 0.0
+    }
+
+    /// Whether the face itself is laid flat.
+    pub fn is_face(&self) -> bool {
+        self.thickness == 0.0 && self.above == 0.0
+    }
+
+    /// Inside radius (mm) of the sheet where the face has this radius and is hollow or not, seen from outside; not positive where the
+    /// sheet has no room.
+    pub fn inside(&self, radius: f64, hollow: bool) -> f64 {
+        if hollow {
+            radius - self.above
+        } else {
+            radius + self.above - self.thickness
+        }
+    }
+
+    /// K where the face has this radius.
+    pub fn share(&self, radius: f64, hollow: bool) -> f64 {
+        match self.varies() {
+            true => self.k.share(self.inside(radius, hollow).max(0.0) / self.thickness),
+            false => 0.0,
+        }
+    }
+
+    /// Depth (mm) of the neutral fibre below the face where this has such a radius.
+    pub fn depth(&self, radius: f64, hollow: bool) -> f64 {
+        let share = self.share(radius, hollow);
+        self.thickness * (if hollow { share } else { 1.0 - share }) - self.above
+    }
+
+    /// K where the neutral fibre lies at a depth (mm).
+    pub fn share_at(&self, depth: f64, hollow: bool) -> f64 {
+        let share = if self.varies() { (depth + self.above) / self.thickness } else { 0.0 };
+        if hollow || !self.varies() {
+            share
+        } else {
+            1.0 - share
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_fibre_lies_by_its_share_from_the_inside_of_the_bend() {
+        // The face is the middle of the sheet: either way the inside is 1 mm nearer to the centre.
+        let middle = Fibre { k: KFactor::Ansi(0.3), thickness: 2.0, above: 1.0 };
+        assert_eq!((middle.inside(10.0, true), middle.inside(10.0, false)), (9.0, 9.0));
+        assert!((middle.depth(10.0, true) + 0.4).abs() < 1e-15 && (middle.depth(10.0, false) - 0.4).abs() < 1e-15);
+        // The face is the outside.
+        let outside = Fibre { above: 0.0, ..middle.clone() };
+        assert!((outside.depth(10.0, true) - 0.6).abs() < 1e-15 && (outside.depth(10.0, false) - 1.4).abs() < 1e-15);
+        assert!([true, false].iter().all(|h| (outside.share_at(outside.depth(10.0, *h), *h) - 0.3).abs() < 1e-15));
+        assert_eq!((Fibre::fixed(1.5).depth(3.0, true), Fibre::fixed(1.5).depth(3.0, false)), (1.5, 1.5));
+    }
 
     #[test]
     fn din_is_half_of_its_own_factor_and_tables_are_interpolated() {

@@ -1,6 +1,6 @@
 //! Where a piece is bent: centre lines and extents, angles, radii, allowances, and an order to bend in.
 
-use super::chart::FlatRuling;
+use super::chart::{FlatRuling, Stretch};
 use super::region::{Region, POINT};
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
@@ -100,15 +100,16 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>,
         if matches!(body.carriers[placed.face], Carrier::Plane(_)) {
             continue;
         }
-        let bend = of_face(body, piece, placed, (thickness, facets), near);
-        match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
-            Some(b) => {
-                b.lines.extend(bend.lines);
-                b.bends.extend(bend.bends);
-                between_others(&mut b.extents, bend.extents, ONE_LINE * body.size);
-                b.level = b.level.min(bend.level);
+        for bend in of_face(body, piece, placed, (thickness, facets), near) {
+            match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
+                Some(b) => {
+                    b.lines.extend(bend.lines);
+                    b.bends.extend(bend.bends);
+                    between_others(&mut b.extents, bend.extents, ONE_LINE * body.size);
+                    b.level = b.level.min(bend.level);
+                }
+                None => out.push(bend),
             }
-            None => out.push(bend),
         }
     }
     for fold in &piece.folds {
@@ -212,14 +213,14 @@ fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
     alike && a.kind != BendKind::Rolled && m.iter().all(|p| way.perp(&(p - l[0])).abs() <= tolerance)
 }
 
-/// The bend that a face is; `near` as of [`chords`].
+/// The bends that a face is: one, or one for every stretch that is bent one way; `near` as of [`chords`].
 fn of_face(
     body: &Body,
     piece: &Piece,
     placed: &Placed,
     (thickness, facets): (f64, Option<Facets>),
     near: f64,
-) -> SheetBend {
+) -> Vec<SheetBend> {
     let turn = placed.chart.turn();
     let cylinder = matches!(body.carriers[placed.face], Carrier::Cylinder { .. });
     let between = body.of_face(placed.face).filter(|h| piece.inner.contains(h) && is_plane(body, *h)).count();
@@ -230,66 +231,121 @@ fn of_face(
         false => BendKind::Rolled,
     };
     let region = Region::of(body, placed.face, &placed.chart);
-    let count = |facets| if kind == BendKind::Rolled { rolled_lines(placed, &region, facets) } else { 1 };
-    let inside_radius = if cylinder { placed.inside_radius } else { f64::INFINITY };
-    let draw =
-        |asked: &BendSpacing| lines_of(placed, &region, placed.chart.rulings(count(asked.facets)), inside_radius);
-    let (lines, bends) = kept_low(&BendSpacing { facets, ..BendSpacing::default() }, draw);
-    // All stand for equal parts of the turn.
-    let rulings = bends.first().map_or(count(facets), |b| (turn / b.angle).round() as usize);
-    let hollow = placed.chart.rulings(rulings).iter().filter(|r| r.hollow).count() * 2 > rulings;
-    let least = bends.iter().flat_map(|b| {
-        // From the neutral fibre, which has the radii of lines that have no inside radius, to the inside of the bend.
-        let inwards = if b.sense == BendSense::Up { placed.depth } else { placed.thickness - placed.depth };
-        b.radii.map(|r| (r - inwards).max(0.0))
-    });
-    let least_inside_radius = if cylinder { inside_radius } else { least.fold(f64::INFINITY, f64::min) };
     // Ends of faces in a point are no lines.
     let is_line = |h: &usize| piece.inner.contains(h) && body.halves[*h].length > POINT * body.size;
     let extents = body.of_face(placed.face).filter(is_line);
-    let extents = extents.flat_map(|h| chords(&|s| piece.place(body, h, s), near)).collect();
+    let mut extents: Vec<[Vec2; 2]> = extents.flat_map(|h| chords(&|s| piece.place(body, h, s), near)).collect();
     let allowance = if cylinder { turn * placed.chart.neutral_radius() } else { f64::NAN };
-    let length = region.max.y - region.min.y;
-    SheetBend {
-        kind,
-        lines,
-        bends,
-        rulings,
-        extents,
-        sense: sense(hollow),
-        angle: turn,
-        inside_radius,
-        least_inside_radius,
-        k: placed.k,
-        allowance,
-        length: if cylinder { length } else { f64::NAN },
-        order: 0,
-        edges: Vec::new(),
-        level: placed.level,
+    let length = if cylinder { region.max.y - region.min.y } else { f64::NAN };
+    // Within faces that go on into others it is told where the bend changes its direction.
+    let inflection = |stretch: &Stretch| -> Vec<[Vec2; 2]> {
+        let at = placed.chart.rulings_between([stretch.turn[0]; 2], 1);
+        let lines = at.iter().flat_map(|r| region.line(&r.at, &r.way));
+        lines.map(|l| l.map(|p| placed.motion.apply(&p))).collect()
+    };
+    let goes_on = !extents.is_empty();
+    let mut before = 0.0;
+    let one = |stretch: Stretch| {
+        if goes_on && stretch.turn[0] > 0.0 {
+            extents.extend(inflection(&stretch));
+        }
+        let drawn = Drawn::of(placed, &region, (&stretch, kind, before), (cylinder, facets));
+        let angle = turn * (stretch.turn[1] - stretch.turn[0]);
+        before += if stretch.hollow { angle } else { -angle };
+        SheetBend {
+            kind,
+            lines: drawn.lines,
+            bends: drawn.bends,
+            rulings: drawn.rulings,
+            extents: std::mem::take(&mut extents),
+            sense: sense(stretch.hollow),
+            angle,
+            inside_radius: if cylinder { placed.inside_radius } else { f64::INFINITY },
+            least_inside_radius: drawn.least_inside_radius,
+            k: drawn.k,
+            allowance,
+            length,
+            order: 0,
+            edges: Vec::new(),
+            level: placed.level,
+        }
+    };
+    placed.chart.stretches().into_iter().map(one).collect()
+}
+
+/// The lines of a stretch of a face, and what they tell of its bend.
+struct Drawn {
+    lines: Vec<[Vec2; 2]>,
+    bends: Vec<Bend>,
+    rulings: usize,
+    least_inside_radius: f64,
+    k: f64,
+}
+
+impl Drawn {
+    fn of(
+        placed: &Placed,
+        region: &Region,
+        (stretch, kind, before): (&Stretch, BendKind, f64),
+        (cylinder, facets): (bool, Option<Facets>),
+    ) -> Self {
+        let count = |facets| if kind == BendKind::Rolled { rolled_lines(placed, region, stretch, facets) } else { 1 };
+        let rulings = |count| placed.chart.rulings_between(stretch.turn, count);
+        let radius = cylinder.then_some(placed.radius);
+        let draw = |asked: &BendSpacing| lines_of(placed, region, (rulings(count(asked.facets)), before), radius);
+        let (lines, bends) = kept_low(&BendSpacing { facets, ..BendSpacing::default() }, draw);
+        // All stand for equal parts of the turn.
+        let turn = placed.chart.turn() * (stretch.turn[1] - stretch.turn[0]);
+        let number = bends.first().map_or(count(facets), |b| (turn / b.angle).round() as usize);
+        let all = rulings(number);
+        let inside = |(r, l): (&FlatRuling, [Vec2; 2])| {
+            l.map(|p| placed.fibre.inside(surface_radius(r, &p), r.hollow).max(0.0))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        let stretches = all.iter().flat_map(|r| region.own_lines(r).into_iter().map(move |l| (r, l)));
+        let least = stretches.map(inside).fold(f64::INFINITY, f64::min);
+        // Of a face bent about one axis there is one K; else the mean of all lines stands for it.
+        let mean = all.iter().map(|r| placed.fibre.share_at(r.depth, r.hollow)).sum::<f64>() / all.len() as f64;
+        let k = if radius.is_some() || mean.is_nan() { placed.k } else { mean };
+        let least_inside_radius = if cylinder { placed.inside_radius } else { least };
+        Self { lines, bends, rulings: number, least_inside_radius, k }
     }
 }
 
-/// Number of lines of a rolled face, by its middle ruling.
-fn rolled_lines(placed: &Placed, region: &Region, facets: Option<Facets>) -> usize {
-    let turn = placed.chart.turn();
+/// Radius (mm) of the face itself at a point of a ruling of its neutral surface.
+fn surface_radius(ruling: &FlatRuling, p: &Vec2) -> f64 {
+    let below = if ruling.hollow { -ruling.depth } else { ruling.depth };
+    (ruling.radius_at(p) + below).max(0.0)
+}
+
+/// Number of lines of a stretch of a rolled face, by its middle ruling.
+fn rolled_lines(placed: &Placed, region: &Region, stretch: &Stretch, facets: Option<Facets>) -> usize {
+    let whole = placed.chart.turn();
+    let turn = whole * (stretch.turn[1] - stretch.turn[0]);
     // Breadth across the rulings: area over the length of the middle ruling.
-    let middle = placed.chart.rulings(1).into_iter().flat_map(|r| {
-        let own = move |l| r.on_own_side(l);
-        region.line(&r.at, &r.way).into_iter().filter_map(own)
-    });
-    let breadth = region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
-    let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, turn));
+    let middle = placed.chart.rulings(1);
+    let middle = middle.iter().flat_map(|r| region.own_lines(r));
+    let breadth = stretch.way * region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
+    let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, whole));
     ((asked - HAIR).ceil() as usize).clamp(1, MOST_LINES)
 }
 
-/// The stretches of rulings inside a region, with their bends; `inside_radius` (mm) is finite on cylinders.
-fn lines_of(placed: &Placed, region: &Region, rulings: Vec<FlatRuling>, inside_radius: f64) -> Lines {
-    let (mut lines, mut bends, mut turned) = (Vec::new(), Vec::new(), 0.0);
+/// The stretches of rulings inside a region, with their bends, after a turn (rad); of cylinders the radius (mm) is known.
+fn lines_of(placed: &Placed, region: &Region, (rulings, before): (Vec<FlatRuling>, f64), radius: Option<f64>) -> Lines {
+    let (mut lines, mut bends, mut turned) = (Vec::new(), Vec::new(), before);
+    // What the radii are of: the inside of a body's cylinder, its neutral fibre elsewhere, and surfaces that were given a thickness
+    // themselves.
     for r in &rulings {
         let half = if r.hollow { 0.5 * r.angle } else { -0.5 * r.angle };
         turned += half;
-        for l in region.line(&r.at, &r.way).into_iter().filter_map(|l| r.on_own_side(l)) {
-            let radii = if inside_radius.is_finite() { [inside_radius; 2] } else { l.map(|p| r.radius_at(&p)) };
+        for l in region.own_lines(r) {
+            let radii = match radius {
+                Some(_) if !placed.is_given => [placed.inside_radius; 2],
+                Some(radius) => [radius; 2],
+                None if placed.is_given => l.map(|p| surface_radius(r, &p)),
+                None => l.map(|p| r.radius_at(&p)),
+            };
             bends.push(Bend { turned, ..Bend::of(sense(r.hollow), r.angle, radii) });
             lines.push(l.map(|p| placed.motion.apply(&p)));
         }

@@ -5,16 +5,20 @@
 //! `Φ' = w'·e` and its base point moves by `(q'·w, q'·e)` in that frame, where `q = p − δ n` lies in the neutral surface
 //! at depth δ below the face. Both are integrated by Runge–Kutta steps of fourth order, knots of the surface among
 //! their ends. Where the normal jumps at a knot, the sheet bends about an edge by that angle, and the neutral surface is
-//! shorter or longer by δ times it.
+//! shorter or longer by δ times it. In a sheet δ follows from K at the inside radius of each ruling, half way along it, and changes
+//! sides where the bend does: inflections are ends of steps, too.
 
+mod along;
 mod strips;
 
+use super::allowance::Fibre;
 use crate::brep::carrier::{bounds, outward, rulings, Carrier};
 use crate::brep::face::Face;
 use crate::brep::project::SurfaceProjector;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};
 use crate::spline::surface::Surface;
+pub(super) use along::Stretch;
 use std::f64::consts::{PI, TAU};
 
 /// A face's map to the plane.
@@ -56,14 +60,25 @@ struct Ruled {
     swapped: bool,
     reversed: bool,
     along: (f64, f64),
-    depth: f64,
+    fibre: Fibre,
     nodes: Vec<(f64, State)>,
-    /// Parameters of the knots.
+    /// Parameters of the knots, and of inflections if they count.
     breaks: Vec<f64>,
-    /// Nodes right after an edge, and by how much (rad) the normal turns there towards `e`.
-    jumps: Vec<(usize, f64)>,
+    /// Edges.
+    jumps: Vec<Jump>,
     projector: SurfaceProjector,
     strips: Vec<MapStrip>,
+}
+
+/// An edge about which a face turns.
+#[derive(Clone, Copy, Debug)]
+struct Jump {
+    /// The node right after it.
+    node: usize,
+    /// By how much (rad) the normal turns there towards `e`.
+    turn: f64,
+    /// Depth (mm) of the neutral fibre there.
+    depth: f64,
 }
 
 /// Turn and base point of a flat ruling.
@@ -98,6 +113,8 @@ pub struct FlatRuling {
     pub radius: f64,
     /// See `radius`.
     pub rise: f64,
+    /// Depth (mm) of the neutral surface below the face.
+    pub depth: f64,
 }
 
 impl FlatRuling {
@@ -129,6 +146,8 @@ impl FlatRuling {
 /// Radius at an apex, as a share of the greatest along a ruling: rounding.
 const AT_APEX: f64 = 1e-9;
 
+/// Angle about an axis from which on places are not told apart: a little less than a whole turn, rad.
+const WIDEST: f64 = TAU - 0.01;
 /// Places in the table of angles, enough that turns cannot be mistaken.
 const PLACES: usize = 96;
 /// Share of a span by which integration keeps from knots, which have two sides: above rounding, below any effect.
@@ -142,10 +161,16 @@ impl Chart {
     /// The map of a face on its carrier, `depth` (mm) below its outward side; `None` for faces that are not developable and
     /// where the depth exceeds the radius.
     pub fn of(face: &Face, carrier: &Carrier, depth: f64) -> Option<Self> {
+        Self::in_sheet(face, carrier, &Fibre::fixed(depth))
+    }
+
+    /// The same for the neutral fibre of a sheet; of a cone it has the depth of its middle.
+    pub fn in_sheet(face: &Face, carrier: &Carrier, fibre: &Fibre) -> Option<Self> {
         let kind = match carrier {
             Carrier::Plane(frame) => Kind::Plane(*frame),
             Carrier::Cylinder { frame, radius } => {
                 let (sign, angles) = round(face, frame)?;
+                let depth = fibre.depth(*radius, sign < 0.0);
                 let neutral = radius - sign * depth;
                 if neutral < 0.0 {
                     return None;
@@ -154,11 +179,12 @@ impl Chart {
             }
             Carrier::Cone { frame, half_angle } => {
                 let (sign, angles) = round(face, frame)?;
+                let depth = fibre.depth(middle_radius(face, carrier), sign < 0.0);
                 let neutral = -sign * depth / half_angle.tan();
                 Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, radius: 0.0, neutral }
             }
             Carrier::GeneralCylinder { .. } | Carrier::GeneralCone { .. } | Carrier::TangentSurface => {
-                Kind::Ruled(Box::new(Ruled::new(face, depth)?))
+                Kind::Ruled(Box::new(Ruled::new(face, fibre)?))
             }
             Carrier::Curved(_) => return None,
         };
@@ -240,6 +266,14 @@ impl Chart {
         }
     }
 
+    /// Whether the face is so wide that a place in space does not tell on which turn about the axis it is.
+    pub fn closes(&self) -> bool {
+        match &self.kind {
+            Kind::Round { angles, .. } => angles.width() >= WIDEST,
+            Kind::Plane(_) | Kind::Ruled(_) => false,
+        }
+    }
+
     /// Whole turn of the normal over the face, rad.
     pub fn turn(&self) -> f64 {
         match &self.kind {
@@ -251,11 +285,18 @@ impl Chart {
 
     /// Rulings half way through `count` equal parts of the turn.
     pub fn rulings(&self, count: usize) -> Vec<FlatRuling> {
-        let angle = self.turn() / count as f64;
-        let shares = (0..count).map(|k| (k as f64 + 0.5) / count as f64);
+        self.rulings_between([0.0, 1.0], count)
+    }
+
+    /// The same between two shares of the turn.
+    pub fn rulings_between(&self, [from, to]: [f64; 2], count: usize) -> Vec<FlatRuling> {
+        let angle = self.turn() * (to - from) / count as f64;
+        let shares = (0..count).map(|k| from + (to - from) * (k as f64 + 0.5) / count as f64);
         match &self.kind {
             Kind::Plane(_) => Vec::new(),
-            Kind::Round { sign, angles, half_angle, neutral, .. } => {
+            Kind::Round { sign, angles, half_angle, neutral, radius: own, .. } => {
+                let depth =
+                    if *half_angle == 0.0 { sign * (own - neutral) } else { -sign * neutral * half_angle.tan() };
                 let place = |share: f64| {
                     let theta = angles.table[0].1 + (angles.table[PLACES].1 - angles.table[0].1) * share;
                     if *half_angle == 0.0 {
@@ -266,10 +307,19 @@ impl Chart {
                     }
                 };
                 let (radius, rise) = if *half_angle == 0.0 { (*neutral, 0.0) } else { (0.0, half_angle.tan()) };
-                let ruling = |(at, way)| FlatRuling { at, way, angle, hollow: *sign < 0.0, radius, rise };
+                let ruling = |(at, way)| FlatRuling { at, way, angle, hollow: *sign < 0.0, radius, rise, depth };
                 shares.map(place).map(ruling).collect()
             }
             Kind::Ruled(r) => shares.filter_map(|s| r.ruling(s, angle)).collect(),
+        }
+    }
+
+    /// The stretches of the face that are bent one way, in order.
+    pub(super) fn stretches(&self) -> Vec<Stretch> {
+        match &self.kind {
+            Kind::Plane(_) => Vec::new(),
+            Kind::Round { sign, .. } => vec![Stretch { turn: [0.0, 1.0], way: 1.0, hollow: *sign < 0.0 }],
+            Kind::Ruled(r) => r.stretches(),
         }
     }
 
@@ -279,6 +329,19 @@ impl Chart {
             Kind::Round { sign, .. } => *sign,
             _ => 0.0,
         }
+    }
+}
+
+/// Radius (mm) of a circular face, of a cone in the middle of its parameters; else infinite.
+pub(super) fn middle_radius(face: &Face, carrier: &Carrier) -> f64 {
+    match carrier {
+        Carrier::Cylinder { radius, .. } => *radius,
+        Carrier::Cone { half_angle, frame } => {
+            let [u0, u1, v0, v1] = bounds(face);
+            let p = frame.to_local(&face.surface.point(0.5 * (u0 + u1), 0.5 * (v0 + v1)));
+            p.x.hypot(p.y) / half_angle.cos()
+        }
+        _ => f64::INFINITY,
     }
 }
 
@@ -335,28 +398,32 @@ struct Line {
 }
 
 impl Ruled {
-    fn new(face: &Face, depth: f64) -> Option<Self> {
+    fn new(face: &Face, fibre: &Fibre) -> Option<Self> {
         let rulings = rulings(face)?;
-        let breaks = rulings.breaks();
         let mut out = Self {
             surface: face.surface.clone(),
             swapped: rulings.is_swapped(),
             reversed: face.reversed,
             along: rulings.reach(),
-            depth,
+            fibre: fibre.clone(),
             nodes: Vec::new(),
-            breaks: breaks.clone(),
+            breaks: rulings.breaks(),
             jumps: Vec::new(),
             projector: SurfaceProjector::new(&face.surface),
             strips: Vec::new(),
         };
+        if fibre.varies() {
+            out.breaks = out.with_inflections();
+        }
+        let breaks = out.breaks.clone();
         let mut state = State::default();
         out.nodes.push((breaks[0], state));
-        for w in breaks.windows(2) {
+        for (span, w) in breaks.windows(2).enumerate() {
             let hair = HAIR * (w[1] - w[0]);
-            if let Some(jump) = (w[0] > breaks[0]).then(|| out.jump(w[0], hair)).flatten() {
-                state = state.past(jump, depth);
-                out.jumps.push((out.nodes.len(), jump));
+            if let Some(turn) = (span > 0).then(|| out.jump(w[0], hair)).flatten() {
+                let depth = out.depth_about([breaks[span - 1], w[0], w[1]], turn)?;
+                state = state.past(turn, depth);
+                out.jumps.push(Jump { node: out.nodes.len(), turn, depth });
                 out.nodes.push((w[0], state));
             }
             for k in 0..STEPS {
@@ -402,9 +469,9 @@ impl Ruled {
         (turn.abs() > EDGE).then_some(turn)
     }
 
-    /// Turn (rad) of the edge at a knot, 0 where there is none.
-    fn turn_at(&self, knot: f64) -> f64 {
-        self.jumps.iter().find(|j| self.nodes[j.0].0 == knot).map_or(0.0, |j| j.1)
+    /// By how much (mm) the neutral surface is shorter by the edge at a knot, 0 where there is none.
+    fn shortened_at(&self, knot: f64) -> f64 {
+        self.jumps.iter().find(|j| self.nodes[j.node].0 == knot).map_or(0.0, |j| j.depth * j.turn)
     }
 
     /// One Runge–Kutta step; the turn does not depend on the state, so its slopes serve for both.
@@ -413,7 +480,7 @@ impl Ruled {
         let slope = |s: f64| {
             let l = self.line(s)?;
             let e = l.n.cross(&l.w);
-            let dq = l.dp - l.dn * self.depth;
+            let dq = l.dp - l.dn * self.depth_of(&l);
             Some((l.dw.dot(&e), Vec2::new(dq.dot(&l.w), dq.dot(&e)), l.dn.norm()))
         };
         let [f0, f1, f2, f3, f4] =
@@ -434,7 +501,7 @@ impl Ruled {
     fn ruling(&self, share: f64, angle: f64) -> Option<FlatRuling> {
         let wanted = share * self.nodes[self.nodes.len() - 1].1.bent;
         let k = self.nodes.partition_point(|n| n.1.bent < wanted).clamp(1, self.nodes.len() - 1);
-        if let Ok(edge) = self.jumps.binary_search_by_key(&k, |j| j.0) {
+        if let Ok(edge) = self.jumps.binary_search_by_key(&k, |j| j.node) {
             return self.edge(edge, angle);
         }
         let ((a, p), (b, q)) = (self.nodes[k - 1], self.nodes[k]);
@@ -442,15 +509,15 @@ impl Ruled {
         let s = a + (b - a) * part;
         let (state, l) = (self.step(p, a, s)?, self.line(s)?);
         let (e, way) = (l.n.cross(&l.w), Vec2::new(state.turn.cos(), state.turn.sin()));
-        let hollow = l.dn.dot(&e) * l.dp.dot(&e) < 0.0;
-        let bent = l.dn.norm();
-        let (radius, rise) = ((l.dp - l.dn * self.depth).dot(&e) / bent, l.dw.dot(&e) / bent);
-        Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise })
+        let hollow = l.curvature() < 0.0;
+        let (bent, depth) = (l.dn.norm(), self.depth_of(&l));
+        let (radius, rise) = ((l.dp - l.dn * depth).dot(&e) / bent, l.dw.dot(&e) / bent);
+        Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise, depth })
     }
 
     /// An edge as a ruling: its radius is that of a sheet which is bent as much between the middles of the spans beside it.
     fn edge(&self, edge: usize, angle: f64) -> Option<FlatRuling> {
-        let (k, jump) = self.jumps[edge];
+        let Jump { node: k, turn: jump, depth } = self.jumps[edge];
         let (s, state) = self.nodes[k];
         let way = Vec2::new(state.turn.cos(), state.turn.sin());
         let half = STEPS / 2;
@@ -465,8 +532,8 @@ impl Ruled {
             rise += l.dw.dot(&e) * span / bent;
         }
         let hollow = jump * radius < 0.0;
-        radius -= self.depth * jump.signum();
-        Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise })
+        radius -= depth * jump.signum();
+        Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise, depth })
     }
 
     /// Both ends of a ruling.
@@ -562,6 +629,7 @@ mod tests {
             hollow: false,
             radius,
             rise: 0.6,
+            depth: 0.0,
         };
         let stretch = |a: f64, b: f64| [Vec2::new(a, 0.0), Vec2::new(b, 0.0)];
         // Of a cone about the origin that is wider than half a turn, both ends of the line are in the part.

@@ -1,8 +1,9 @@
 //! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
 
 use super::bends::{bends, SheetBend};
+use super::chart::Chart;
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
-use super::region::POINT;
+use super::region::{Motion, POINT};
 use super::sheet::{open, sheet, Sheet, ALIKE};
 use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
@@ -11,6 +12,7 @@ use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
 use crate::develop::arcs::rectangle_around;
 use crate::develop::bends::Facets;
+use crate::develop::shop::thickness::Sheet as GivenSheet;
 use crate::geom::segment::same_segment;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Pattern, ViewSide};
@@ -26,8 +28,19 @@ pub struct SheetPart {
     pub local: Vec<f64>,
     /// Where the neutral fibre lies, which is drawn.
     pub k: KFactor,
+    /// The sheet that surfaces were given, if its neutral fibre is drawn.
+    pub given: Option<GivenSheet>,
     /// Its bends.
     pub bends: Vec<SheetBend>,
+}
+
+/// The map of a face, and where its image lies in the part.
+#[derive(Clone, Debug)]
+pub struct PlacedChart {
+    /// The map.
+    pub chart: Chart,
+    /// The motion after it.
+    pub motion: Motion,
 }
 
 /// A flat part.
@@ -53,6 +66,8 @@ pub struct FlatPart {
     pub allowances: Vec<f64>,
     /// Entity numbers of sides of the sheet beside it that are not square to it.
     pub slanting: Vec<u64>,
+    /// Of a part that is one face its map.
+    pub chart: Option<PlacedChart>,
 }
 
 /// The parts of one body.
@@ -73,6 +88,8 @@ pub struct PartOptions {
     pub k: KFactor,
     /// Takes all faces as surfaces without thickness; default false.
     pub surfaces: bool,
+    /// The sheet that surfaces without thickness are made of, whose neutral fibre is laid flat; default none.
+    pub sheet: Option<GivenSheet>,
     /// How rolled faces are kinked; default none: lines every 5°.
     pub facets: Option<Facets>,
     /// Over which edges faces are laid beside each other; default all.
@@ -82,7 +99,7 @@ pub struct PartOptions {
 impl PartOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, k: KFactor::default(), surfaces: false, facets: None, joins: Joins::All }
+        Self { tolerance, k: KFactor::default(), surfaces: false, sheet: None, facets: None, joins: Joins::All }
     }
 }
 
@@ -106,10 +123,12 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
             }
         },
     };
+    let given = options.sheet.as_ref().filter(|_| found.thickness <= 0.0);
     let asked = UnfoldOptions {
-        k: options.k.clone(),
+        k: given.map_or(&options.k, |s| &s.k).clone(),
         tolerance: options.tolerance,
-        thickness: found.local.clone(),
+        thickness: given.map_or_else(|| found.local.clone(), |s| vec![s.thickness; faces.len()]),
+        side: given.map(|s| s.side),
         joins: options.joins.clone(),
     };
     let sides = found.skins.iter().filter(|s| !s.is_empty()).map(|skin| Side::of(&body, skin, &asked));
@@ -257,8 +276,9 @@ fn part(
         pattern,
         sheet: SheetPart {
             thickness: found.thickness,
-            local: piece.faces.iter().map(|p| p.thickness).collect(),
+            local: piece.faces.iter().map(|p| if p.is_given { 0.0 } else { p.thickness }).collect(),
             k: options.k.clone(),
+            given: options.sheet.clone().filter(|_| piece.faces.iter().all(|p| p.is_given)),
             bends,
         },
         faces: piece.faces.iter().map(|p| p.face).collect(),
@@ -269,5 +289,9 @@ fn part(
         strips: piece.faces.iter().map(placed_strips).collect(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
         slanting: Vec::new(),
+        chart: match piece.faces.as_slice() {
+            [only] => Some(PlacedChart { chart: only.chart.clone(), motion: only.motion }),
+            _ => None,
+        },
     }
 }

@@ -1,6 +1,6 @@
 //! A face in the plane as polygons: inside or not, parallel lines through it, overlaps.
 
-use super::chart::Chart;
+use super::chart::{Chart, FlatRuling};
 use crate::brep::body::Body;
 use crate::geom::Vec2;
 
@@ -120,6 +120,11 @@ impl Region {
         let short = SHORT * (self.max - self.min).norm();
         let long = cuts.chunks_exact(2).filter(|c| c[1] - c[0] > short);
         long.map(|c| [at + way * c[0], at + way * c[1]]).collect()
+    }
+
+    /// The stretches inside of a ruling.
+    pub fn own_lines(&self, ruling: &FlatRuling) -> Vec<[Vec2; 2]> {
+        self.line(&ruling.at, &ruling.way).into_iter().filter_map(|l| ruling.on_own_side(l)).collect()
     }
 
     /// Points inside, spread over the region: at least one unless it has no area.

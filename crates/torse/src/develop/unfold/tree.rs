@@ -1,11 +1,11 @@
 //! Faces laid side by side: a spanning tree of joints, the longest first, so that cuts are short; where a face would
 //! lie on another, or images of a common edge do not fit, the joint is cut.
 
-use super::allowance::KFactor;
-use super::chart::Chart;
+use super::allowance::{Fibre, KFactor};
+use super::chart::{middle_radius, Chart};
 use super::region::{Motion, Region, POINT};
 use crate::brep::body::{Body, Meeting, SMOOTH};
-use crate::brep::carrier::Carrier;
+use crate::develop::shop::thickness::SheetSide;
 use crate::geom::{BBox, Vec2, Vec3};
 use std::collections::{BTreeMap, HashSet};
 
@@ -49,6 +49,8 @@ pub struct UnfoldOptions {
     pub tolerance: f64,
     /// Thickness at every face of the body, mm; 0 for open surfaces.
     pub thickness: Vec<f64>,
+    /// Which side of its sheet an open surface is that was given a thickness; `None` for the faces of a body, which are outer sides.
+    pub side: Option<SheetSide>,
     /// Over which edges faces are laid beside each other; default all.
     pub joins: Joins,
 }
@@ -68,14 +70,18 @@ pub struct Placed {
     pub level: usize,
     /// The run of the face before by which it is joined.
     pub by: Option<usize>,
-    /// K used for it (share of the thickness), if it is bent.
+    /// K used for it (share of the thickness) if it is bent about one axis.
     pub k: f64,
-    /// Inside radius (mm) of a cylinder.
+    /// Radius (mm) of a cylinder, and that of the inside of its sheet.
+    pub radius: f64,
+    /// See `radius`.
     pub inside_radius: f64,
-    /// Thickness of the sheet there, mm, and how deep below the face its neutral fibre lies.
+    /// Thickness of the sheet there (mm), and where its neutral fibre lies.
     pub thickness: f64,
     /// See `thickness`.
-    pub depth: f64,
+    pub fibre: Fibre,
+    /// Whether it is a surface that was given a thickness, which it has room for: radii of its bend lines are its own then.
+    pub is_given: bool,
 }
 
 /// A sharp bend between two faces of a piece.
@@ -155,14 +161,21 @@ struct Ready {
     chart: Chart,
     region: Region,
     k: f64,
+    radius: f64,
     inside_radius: f64,
     thickness: f64,
-    depth: f64,
+    fibre: Fibre,
+    is_given: bool,
 }
 
 /// Unfolds the skin faces of a body into as few pieces as their joints allow. Faces without a map (thicker than their
-/// radius, not developable) are answered in the second list.
+/// radius, not developable) are answered in the second list. Surfaces into which the sheet given does not fit everywhere are
+/// unfolded as they are, all of them.
 pub fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piece>, Vec<usize>) {
+    if !have_room(body, skin, options) {
+        let thickness = vec![0.0; options.thickness.len()];
+        return unfold(body, skin, &UnfoldOptions { thickness, side: None, ..options.clone() });
+    }
     let mut ready: BTreeMap<usize, Ready> = BTreeMap::new();
     let mut left = Vec::new();
     for &f in skin {
@@ -239,8 +252,8 @@ fn middle(body: &Body, face: usize) -> Vec3 {
 impl Ready {
     fn placed(self, face: usize, motion: Motion, level: usize, by: Option<usize>) -> Placed {
         let region = self.region.moved(&motion);
-        let Self { chart, k, inside_radius, thickness, depth, .. } = self;
-        Placed { face, chart, motion, region, level, by, k, inside_radius, thickness, depth }
+        let Self { chart, k, radius, inside_radius, thickness, fibre, is_given, .. } = self;
+        Placed { face, chart, motion, region, level, by, k, radius, inside_radius, thickness, fibre, is_given }
     }
 }
 
@@ -248,26 +261,36 @@ fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> 
     let (f, carrier, t) = (body.faces[face], &body.carriers[face], options.thickness[face]);
     let skin = Chart::of(f, carrier, 0.0)?;
     let hollow = hollow(body, face, &skin);
-    let radius = match carrier {
-        Carrier::Cylinder { radius, .. } => *radius,
-        Carrier::Cone { half_angle, frame } => {
-            let [u0, u1, v0, v1] = crate::brep::carrier::bounds(f);
-            let p = frame.to_local(&f.surface.point(0.5 * (u0 + u1), 0.5 * (v0 + v1)));
-            p.x.hypot(p.y) / half_angle.cos()
-        }
-        _ => f64::INFINITY,
-    };
-    let inside_radius = if hollow { radius } else { (radius - t).max(0.0) };
-    let k = if t > 0.0 { options.k.share(inside_radius / t) } else { 0.0 };
-    let depth = match (carrier, hollow) {
-        (Carrier::Plane(_), _) => 0.0,
-        (_, true) => k * t,
-        (_, false) => (1.0 - k) * t,
-    };
-    let chart = Chart::of(f, carrier, depth)?;
+    let radius = middle_radius(f, carrier);
+    let above = options.side.map_or(0.0, |side| side.extent(t)[1]);
+    let fibre = Fibre { k: options.k.clone(), thickness: t, above };
+    let inside_radius = fibre.inside(radius, hollow).max(0.0);
+    let chart = Chart::in_sheet(f, carrier, &fibre)?;
     let chart = chart.in_strips(carrier, options.tolerance);
     let region = Region::of(body, face, &chart);
-    (region.area() > 0.0).then_some(Ready { chart, region, k, inside_radius, thickness: t, depth })
+    let k = fibre.share(radius, hollow);
+    let is_given = options.side.is_some();
+    (region.area() > 0.0).then_some(Ready { chart, region, k, radius, inside_radius, thickness: t, fibre, is_given })
+}
+
+/// Rulings that are looked at for room.
+const LOOKS: usize = 64;
+/// Inside radii below this share of the thickness are those of apexes.
+const NO_ROOM: f64 = 1e-6;
+
+/// Whether the sheet that surfaces were given fits into the bends of all of them: there is no room at apexes, whose offset is a
+/// curve.
+fn have_room(body: &Body, skin: &[usize], options: &UnfoldOptions) -> bool {
+    let Some(side) = options.side else { return true };
+    skin.iter().all(|&face| {
+        let Some(chart) = Chart::of(body.faces[face], &body.carriers[face], 0.0) else { return true };
+        let (region, thickness) = (Region::of(body, face, &chart), options.thickness[face]);
+        let fibre = Fibre { k: options.k.clone(), thickness, above: side.extent(thickness)[1] };
+        chart.rulings(LOOKS).iter().all(|r| {
+            let mut ends = region.own_lines(r).into_iter().flatten();
+            ends.all(|p| fibre.inside(r.radius_at(&p), r.hollow) > NO_ROOM * thickness)
+        })
+    })
 }
 
 /// Whether a face is hollow, seen from outside, half way.
@@ -331,6 +354,10 @@ fn grow(
 
 /// Way by which faces are apart in the plane along a joint, and K: 0 where they go on smoothly.
 fn fold_allowance(body: &Body, half: usize, options: &UnfoldOptions) -> (f64, f64) {
+    // Sharp edges of surfaces have no radius, whatever sheet they are made of.
+    if options.side.is_some() {
+        return (0.0, 0.0);
+    }
     let near = options.thickness[body.halves[half].face];
     let t = body.beyond(half).map_or(near, |g| near.min(options.thickness[g]));
     let Some(m) = body.meeting(half).filter(|m| m.angle >= SMOOTH && t > 0.0) else { return (0.0, 0.0) };

@@ -25,19 +25,26 @@ impl Said {
 /// Lines of a sheet's bends against `bend_table.csv` and against their own turns.
 ///
 /// The lines of a bend, fold or hem turn as far as the table says. At lines with a radius the sheet has turned by half of the
-/// angle. The lines of a rolled face share its turn evenly, and it has turned by whole shares and a half of one at each of them.
+/// angle. The lines of a rolled face share its turn evenly, and it has turned by whole shares and a half of one at each of them, after
+/// what the row before turned where the face goes on from there.
 ///
 /// # Errors
 /// In words: the line, both numbers, and what would help.
 pub(super) fn sheet(lines: &[TableLine], bends: &[TableBend]) -> Result<(), String> {
+    // Where the row before ends, which may be of the same face, bent the other way.
+    let mut before = 0.0;
     for (k, bend) in bends.iter().enumerate() {
         let row = format!("bend {} of bend_table.csv", k + 1);
         let own: Vec<(usize, Said)> =
             bend.lines.clone().filter_map(|l| Some((l + 1, Said::of(lines.get(l)?)))).collect();
         match bend.kind.as_str() {
-            "rolled" => rolled(&own, bend, &row)?,
+            "rolled" => rolled(&own, bend, (&row, before))?,
             _ => bent(&own, bend, &row)?,
         }
+        before = own.last().map_or(0.0, |(_, s)| match s.sense {
+            BendSense::Down => s.turned - 0.5 * s.angle,
+            _ => s.turned + 0.5 * s.angle,
+        });
     }
     Ok(())
 }
@@ -65,8 +72,8 @@ fn bent(own: &[(usize, Said)], bend: &TableBend, row: &str) -> Result<(), String
     Ok(())
 }
 
-/// Lines of a rolled face.
-fn rolled(own: &[(usize, Said)], bend: &TableBend, row: &str) -> Result<(), String> {
+/// Lines of a rolled face, after a turn (degrees) by the row before if it goes on from there.
+fn rolled(own: &[(usize, Said)], bend: &TableBend, (row, before): (&str, f64)) -> Result<(), String> {
     let Some((first, share)) = own.first().map(|(n, s)| (*n, s.angle)) else { return Ok(()) };
     let whole = bend.angle.to_degrees();
     if own.iter().all(|(_, s)| s.sense != bend.sense) {
@@ -76,10 +83,13 @@ fn rolled(own: &[(usize, Said)], bend: &TableBend, row: &str) -> Result<(), Stri
         if differ(said.angle, share, PRINTED_ANGLE) {
             return Err(angles(*number, said.angle, &format!("line {first}, of the same rolled face, has {share:.4}")));
         }
-        // Every share that it has turned by adds what its last digit leaves open.
-        let shares = said.turned.abs() / share.max(PRINTED_ANGLE) - 0.5;
-        let open = (shares.abs() + 2.0) * PRINTED_ANGLE;
-        if differ(shares, shares.round(), open / share.max(PRINTED_ANGLE)) {
+        // Every share that it has turned by adds what its last digit leaves open, and the row before another two.
+        let is_half = |from: f64, more: f64| {
+            let shares = (said.turned - from).abs() / share.max(PRINTED_ANGLE) - 0.5;
+            let open = (shares.abs() + 2.0 + more) * PRINTED_ANGLE;
+            !differ(shares, shares.round(), open / share.max(PRINTED_ANGLE))
+        };
+        if !is_half(0.0, 0.0) && !is_half(before, 2.0) {
             return Err(angles(*number, said.angle, &halves(said.turned)));
         }
     }

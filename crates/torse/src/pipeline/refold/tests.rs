@@ -7,9 +7,12 @@ use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::specimens::{rectangle, rolled_cone, round_surface};
 use crate::geom::Vec3;
 use crate::io::model::Model;
+use crate::io::step::write::{self as step, Header};
 use crate::pipeline::deliver::files;
 use crate::pipeline::map_artwork::{read_map, Side};
 use crate::pipeline::unroll::{unroll, UnrollOptions};
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
 use std::collections::HashMap;
 
 const TOLERANCE: f64 = 0.05;
@@ -90,4 +93,19 @@ fn a_box_is_folded_up_again() {
         let faces = [(o, y, x), (z, x, y), (o, x, z), (y, z, x), (o, z, y), (x, y, z)];
         all_within(&back(faces.map(|(o, a, b)| rectangle(o, a, b)).to_vec()), 6, 0.01);
     }
+}
+
+/// A face that bends both ways has two rows in the bend table, and one family of rulings.
+#[test]
+fn faces_that_bend_both_ways_are_bent_back_as_one() {
+    let profile = [[0.0, 0.0], [40.0, 60.0], [60.0, -60.0], [100.0, 0.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
+    let points: Vec<Vec3> = profile.iter().flat_map(|p| [*p, p + 90.0 * Vec3::y()]).collect();
+    let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+    let surface = Surface::new(knots(3), knots(1), &points, None).expect("a surface");
+    let header = Header { name: "wave".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
+    let mut bytes = Vec::new();
+    step::sheets(&mut bytes, &header, &[step::Sheet::untrimmed("wave", &surface)]).expect("a file");
+    let report = back(crate::read(&bytes).expect("a model").faces);
+    assert!(report.left.is_empty() && report.parts.len() == 1, "{:?}", report.left);
+    assert!(report.parts[0].panels.iter().all(|p| p.distance_bound.is_some()), "{:?}", report.parts);
 }

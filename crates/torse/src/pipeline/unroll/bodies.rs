@@ -32,6 +32,7 @@ pub(super) fn flat_parts_of(
         return Err(UnrollError::Tolerance(options.tolerance));
     }
     options.k.check()?;
+    options.sheet.as_ref().map_or(Ok(()), |s| s.k.check())?;
     if options.surfaces && options.k != KFactor::default() {
         return Err(UnrollError::KWithoutThickness);
     }
@@ -54,6 +55,7 @@ pub(super) fn flat_parts_of(
         tolerance: options.tolerance,
         k: options.k.clone(),
         surfaces: options.surfaces,
+        sheet: options.sheet.clone(),
         facets: options.facets,
         joins: options.joins.clone(),
     };

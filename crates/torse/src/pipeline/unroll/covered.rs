@@ -37,9 +37,11 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
     let marked = Marks::of(&made).parts;
     let blamed = marked.contains(&true);
     let against = |c: &Claim| blamed && c.subject() == Subject::Whole && c.is_broken() && c.what() != What::LeftOut;
+    // Covers are drawn to their own tolerance.
+    let drawn = |c: Claim| if c.what() == What::DrawingDistance { c.within(tolerance) } else { c };
     answer.claims.extend(made.claims.into_iter().map(|c| match against(&c) {
         true => c.told_of_parts(),
-        false => c.after(panels),
+        false => drawn(c.after(panels)),
     }));
     let refused = made.parts.iter().enumerate().filter(|(k, _)| marked.get(*k) != Some(&false));
     answer.claims.extend(

@@ -6,6 +6,7 @@ use crate::brep::face::{Face, FileEdge, VANISHED};
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
 use crate::control::Control;
+use crate::develop::unfold::bends::SheetBend;
 use crate::develop::unfold::part::FlatPart;
 use crate::develop::view::panels_viewed;
 use crate::patchwork::pattern::Pattern;
@@ -123,12 +124,26 @@ fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &
     let laid = laid_face(&faces[*face], &part.pattern.name, tolerance)?;
     let seen = panels_viewed(&laid.patchwork, vec![laid.pattern.clone()], part.pattern.view).pop()?;
     part.pattern = Pattern { panel: part.pattern.panel, ..seen };
-    // The bend table names the lines that are drawn.
-    if let [bend] = part.sheet.bends.as_mut_slice() {
-        bend.lines.clone_from(&part.pattern.rulings);
-        bend.rulings = bend.lines.len();
-    }
+    // A panel is that of the surface itself.
+    part.sheet.given = None;
+    part.chart = None;
+    renamed(&mut part.sheet.bends, &part.pattern);
     Some(laid)
+}
+
+/// The bend table names the lines that are drawn: of a face that is bent both ways those of every stretch.
+fn renamed(bends: &mut [SheetBend], pattern: &Pattern) {
+    bends.iter_mut().for_each(|b| b.lines.clear());
+    let mut at = 0;
+    for (line, drawn) in pattern.rulings.iter().zip(&pattern.bends) {
+        while at + 1 < bends.len() && bends[at].sense != drawn.sense {
+            at += 1;
+        }
+        if let Some(bend) = bends.get_mut(at) {
+            bend.lines.push(*line);
+        }
+    }
+    bends.iter_mut().for_each(|b| b.rulings = b.lines.len());
 }
 
 /// A part before its judge.
@@ -138,7 +153,7 @@ pub(super) fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> Unfolde
         bounds: part.faces.iter().map(|f| bounds(&faces[*f])).collect(),
         maps: &part.maps,
         strips: &part.strips,
-        thickness: part.sheet.thickness,
+        thickness: part.sheet.given.as_ref().map_or(part.sheet.thickness, |s| s.thickness),
         pattern: &part.pattern,
         strokes: &part.strokes,
         joints: &part.joints,

@@ -1,6 +1,7 @@
 //! Sheets and surfaces whose flat parts are known.
 
 mod bad;
+mod given;
 mod kinds;
 mod skins;
 

@@ -81,7 +81,7 @@ pub enum WorkshopError {
 
 impl WorkshopOptions {
     /// The sheet that covers are made of, if a thickness is given.
-    pub(super) fn sheet(&self) -> Option<Sheet> {
+    pub fn sheet(&self) -> Option<Sheet> {
         let of_material = || self.material.as_ref().and_then(|m| m.k.clone());
         let k = self.k.clone().or_else(of_material).unwrap_or(KFactor::Ansi(0.5));
         Some(Sheet { thickness: self.thickness?, side: self.side, k })

@@ -6,8 +6,9 @@ use crate::certify::claim::{Claim, Subject};
 use crate::patchwork::pattern::Pattern;
 use crate::reason::JobReason;
 
-/// What stands against cutting parts: a thickness that the sheet has not, or that its bends have no room for.
-pub(super) fn refusals(answer: &Answer, options: &WorkshopOptions) -> Vec<Claim> {
+/// What stands against cutting parts: a thickness that the sheet has not, or that its bends have no room for, or patterns, by their
+/// numbers, that are not those of the neutral fibre.
+pub(super) fn refusals(answer: &Answer, options: &WorkshopOptions, not_neutral: &[usize]) -> Vec<Claim> {
     let Some(asked) = options.thickness else { return Vec::new() };
     // Where panels cover faces their certificate tells the inside radius.
     if answer.job != Job::Unroll && answer.certificate.is_some() {
@@ -23,7 +24,11 @@ pub(super) fn refusals(answer: &Answer, options: &WorkshopOptions) -> Vec<Claim>
         } else {
             let inside = answer.shop.work.get(k).and_then(|w| w.sheet).map(|s| s.inside_radius)?;
             let no_room = inside <= 0.0;
-            no_room.then(|| JobReason::NoRoom { part: part(), asked, unit })
+            if no_room {
+                Some(JobReason::NoRoom { part: part(), asked, unit })
+            } else {
+                not_neutral.contains(&k).then(|| JobReason::NotNeutral { part: part() })
+            }
         };
         reason.map(|r| Claim::objection(Subject::Part(pattern.panel), r))
     };

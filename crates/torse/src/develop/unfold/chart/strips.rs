@@ -36,7 +36,7 @@ const FAR: f64 = 1e6;
 pub(super) fn strips(ruled: &Ruled, carrier: &Carrier, tolerance: f64) -> Vec<MapStrip> {
     let meet = match carrier {
         Carrier::GeneralCylinder { .. } => Meet::Nowhere,
-        Carrier::GeneralCone { apex } if ruled.depth == 0.0 => Meet::At(*apex),
+        Carrier::GeneralCone { apex } if ruled.fibre.is_face() => Meet::At(*apex),
         Carrier::GeneralCone { .. } | Carrier::TangentSurface => Meet::Anywhere,
         _ => return Vec::new(),
     };
@@ -73,7 +73,7 @@ impl Cutter<'_> {
     fn all(&mut self) -> Option<()> {
         self.begin()?;
         self.ruled.breaks.windows(2).try_for_each(|w| {
-            self.flat += self.ruled.depth * self.ruled.turn_at(w[0]);
+            self.flat += self.ruled.shortened_at(w[0]);
             self.divide([w[0], w[1]], DEEPEST)
         })
     }
@@ -189,7 +189,7 @@ impl Cutter<'_> {
         let x = (q - centre).try_normalize(0.0)?;
         let frame = Frame { origin: origin + centre, x, y: z.cross(&x), z };
         let out = x.dot(&self.ruled.line(0.5 * (a + b))?.n).signum();
-        let reach = out * radius - self.ruled.depth * turning;
+        let reach = out * radius - self.ruled.depth_between([a, b]) * turning;
         (out * reach > 0.0).then_some(())?;
         let angle = |v: Vec3| frame.y.dot(&(v - centre)).atan2(frame.x.dot(&(v - centre)));
         Some((ClosedMap::Cylinder { frame, radius, reach }, [angle(p), angle(r)]))
@@ -215,7 +215,8 @@ impl Cutter<'_> {
         let half_angle = (p - z * z.dot(&p)).norm().atan2(z.dot(&p));
         let out = n.dot(&(x * half_angle.cos() - z * half_angle.sin())).signum();
         let angle = |v: Vec3| frame.y.dot(&v).atan2(frame.x.dot(&v));
-        let behind = if self.ruled.depth == 0.0 { 0.0 } else { -out * self.ruled.depth / half_angle.tan() };
+        let depth = self.ruled.depth_between([a, b]);
+        let behind = if depth == 0.0 { 0.0 } else { -out * depth / half_angle.tan() };
         let map = ClosedMap::Cone { frame, half_angle, behind, turn: -out * half_angle.sin() };
         Some((map, [angle(p), angle(r)]))
     }

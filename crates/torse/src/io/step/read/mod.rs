@@ -144,6 +144,50 @@ fn decoded(bytes: &[u8]) -> Cow<'_, str> {
 /// How files compressed by gzip and pictures begin, as text of one byte a letter.
 const GZIP: &str = "\u{1f}\u{8b}";
 const PNG: &str = "\u{89}PNG";
+/// And text of two bytes a letter.
+const UTF_16: [&str; 2] = ["\u{ff}\u{fe}", "\u{fe}\u{ff}"];
+
+/// Whether a drawing begins here, after comments.
+fn is_dxf(start: &str) -> bool {
+    let mut lines = start.lines().map(str::trim);
+    let mut code = lines.next();
+    while code == Some("999") {
+        lines.next();
+        code = lines.next();
+    }
+    code == Some("0") && lines.next() == Some("SECTION")
+}
+
+/// Whether a mesh of triangles in binary form is so long as its header says.
+fn is_binary_stl(text: &str) -> bool {
+    /// Bytes of the header, and of each triangle.
+    const SIZES: (usize, usize) = (80, 50);
+    let bytes: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(u32::from(c)).ok()).collect();
+    let Some(bytes) = bytes else { return false };
+    let count = bytes.get(SIZES.0..SIZES.0 + 4).and_then(|b| <[u8; 4]>::try_from(b).ok()).map(u32::from_le_bytes);
+    count.is_some_and(|n| n > 0 && bytes.len() as u64 == SIZES.0 as u64 + 4 + SIZES.1 as u64 * u64::from(n))
+}
+
+/// Whether a line of whole numbers comes first, and the name of the program that makes such files soon after.
+fn is_sat(start: &str) -> bool {
+    let mut lines = start.lines();
+    let numbers = lines.next().is_some_and(|l| {
+        let words: Vec<&str> = l.split_whitespace().collect();
+        words.len() >= 3 && words.iter().all(|w| w.parse::<i64>().is_ok())
+    });
+    numbers && lines.take(2).any(|l| l.contains("ACIS"))
+}
+
+/// Whether the first line that is no comment is one of a mesh.
+fn is_obj(start: &str) -> bool {
+    let line = start.lines().map(str::trim).find(|l| !l.is_empty() && !l.starts_with('#')).unwrap_or_default();
+    let mut words = line.split_whitespace();
+    match words.next() {
+        Some("mtllib" | "usemtl" | "o" | "g" | "s") => words.next().is_some(),
+        Some("v" | "vn" | "vt") => words.clone().count() >= 2 && words.all(|w| w.parse::<f64>().is_ok()),
+        _ => false,
+    }
+}
 
 /// What a text without a data section is.
 fn foreign(text: &str) -> ReadError {
@@ -151,10 +195,11 @@ fn foreign(text: &str) -> ReadError {
     if text.contains("ISO-10303-21") || start.starts_with("HEADER") {
         return ReadError::Truncated("it has no DATA section".into());
     }
-    let mut lines = start.lines().map(str::trim);
-    let guess = if text.starts_with(GZIP) {
+    let guess = if text.starts_with(UTF_16[0]) || text.starts_with(UTF_16[1]) {
+        "its text is UTF-16 (save it as UTF-8 or plain ASCII)"
+    } else if text.starts_with(GZIP) {
         "it is compressed with gzip (unpack it first)"
-    } else if start.starts_with("AutoCAD Binary DXF") || lines.next() == Some("0") && lines.next() == Some("SECTION") {
+    } else if start.starts_with("AutoCAD Binary DXF") || is_dxf(start) {
         "it is a DXF drawing, which has curves and no faces"
     } else if text.starts_with(PNG) {
         "it is a picture"
@@ -162,8 +207,12 @@ fn foreign(text: &str) -> ReadError {
         "it is JSON"
     } else if start.starts_with("PK") {
         "it is a ZIP archive (unpack it first, if it is a compressed STEP file)"
-    } else if start.starts_with("solid") {
+    } else if start.starts_with("solid") || is_binary_stl(text) {
         "it looks like an STL mesh"
+    } else if is_sat(start) {
+        "it is an ACIS file (SAT), which is not read"
+    } else if is_obj(start) {
+        "it looks like an OBJ mesh, which has no surfaces"
     } else if start.starts_with("%PDF") {
         "it is a PDF"
     } else if start.starts_with("<?xml") || start.starts_with('<') {

@@ -24,6 +24,17 @@ pub(super) fn words(note: &ShopNote) -> String {
              panels and measured, not proven.",
             named(parts)
         ),
+        ShopNote::OfFibre { parts, sheet } => format!(
+            "Flat patterns are those of the neutral fibre of a sheet of {}, of which the faces are the {}: {}. {}. Sharp edges have no \
+             radius and move nothing.",
+            length(sheet.thickness),
+            sheet.side.words(),
+            named(parts),
+            factor(&sheet.k)
+        ),
+        ShopNote::NoPlaces { parts } => {
+            format!("Roll radii and sections are not known of parts of several faces: {}.", named(parts))
+        }
         ShopNote::NotNeutral { parts } => format!(
             "Flat patterns are those of the panels, not of the neutral fibre, where cones end in a point or panels are drawn \
              from other surfaces: {}.",

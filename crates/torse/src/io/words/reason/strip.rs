@@ -283,6 +283,9 @@ pub(super) fn of_job(reason: &JobReason) -> String {
         JobReason::NoRoom { part, asked, unit } => {
             format!("part {part} bends so tightly that a sheet of {} has no room inside", sheet(*asked, *unit))
         }
+        JobReason::NotNeutral { part } => {
+            format!("the flat pattern of part {part} is that of its surface, not of the neutral fibre of the sheet")
+        }
         JobReason::Panels(reasons) => {
             let told = told(reasons.iter().map(why).collect());
             format!("the panels are not certified: {told}")
