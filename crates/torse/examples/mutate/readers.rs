@@ -129,7 +129,7 @@ fn report(bytes: &[u8]) -> Result<bool, String> {
 
 fn drawn(name: &str, bytes: &[u8]) -> Result<bool, String> {
     Ok(match artwork::read(name, bytes, 1.0).map_err(|e| e.to_string())? {
-        Artwork::Points(points) => points.iter().all(|(_, p)| finite(&[*p])),
+        Artwork::Points(points, _) => points.iter().all(|(_, p)| finite(&[*p])),
         Artwork::Curves(curves, _) => curves.iter().all(sound),
     })
 }
