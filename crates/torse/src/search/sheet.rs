@@ -10,7 +10,9 @@
 //! panels.
 
 use super::build::too_large;
-use super::cover::{axes, cover, cut_large, cut_where, exactly, is_developable, reach, CoverOptions, SeamPlane};
+use super::cover::{
+    axes, cover, cut_large, cut_where, exact_regions, exactly, is_developable, reach, CoverOptions, SeamPlane,
+};
 use super::laid::{Laid, Task};
 use crate::geom::Vec3;
 
@@ -26,7 +28,7 @@ const NEAR_AXIS: f64 = 0.966;
 /// Panels that fit, of a cover some of whose panels do not.
 pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
     if is_developable(task.face, task.options.tolerance) {
-        return gridded(task, &laid).unwrap_or_else(|| cut_until_it_fits(task, laid));
+        return gridded(task).unwrap_or_else(|| cut_until_it_fits(task, laid));
     }
     let planes = sections(task, &laid);
     let lined_up = planes.iter().find_map(|planes| {
@@ -61,11 +63,9 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
 }
 
 /// A developable face cut along parameter lines, in the fewest fields that fit; `None` if none do.
-fn gridded(task: &Task, laid: &Laid) -> Option<Laid> {
+fn gridded(task: &Task) -> Option<Laid> {
     let limits = &task.options.limits;
     let lines = [Line::along(task, 0), Line::along(task, 1)];
-    // Cuts run along lines of the triangulation: beside them they would leave triangles that are too thin to be judged.
-    let drawn = [0, 1].map(|k| drawn_lines(laid.state.partition.vertices.iter().map(|v| v[k])));
     let mut counts: Vec<[usize; 2]> = Vec::new();
     for sides in [[limits.longest(), limits.widest()], [limits.widest(), limits.longest()]] {
         let least = |k: usize| sides[k].map_or(1.0, |limit| (lines[k].length() / limit).ceil().max(1.0));
@@ -81,10 +81,15 @@ fn gridded(task: &Task, laid: &Laid) -> Option<Laid> {
         if task.control.stopped() {
             return None;
         }
-        let cuts = (0..2).flat_map(|k| (1..counts[k]).map(move |i| (k, i as f64 / counts[k] as f64)));
-        let places: Vec<(usize, f64)> = cuts.map(|(k, share)| (k, nearest(&drawn[k], lines[k].at(share)))).collect();
+        let wanted = [0, 1]
+            .map(|k: usize| -> Vec<f64> { (1..counts[k]).map(|i| lines[k].at(i as f64 / counts[k] as f64)).collect() });
+        // Cuts run along lines of the triangulation: beside them they would leave triangles that are too thin to be judged.
+        let state = exact_regions(task.face, &task.options, [&wanted[0], &wanted[1]])?;
+        let drawn = [0, 1].map(|k| drawn_lines(state.partition.vertices.iter().map(|v| v[k])));
+        let places = (0..2).flat_map(|k| wanted[k].iter().map(move |at| (k, *at)));
+        let places: Vec<(usize, f64)> = places.map(|(k, at)| (k, nearest(&drawn[k], at))).collect();
         let heights: Vec<_> = places.iter().map(|&(k, at)| move |uv: [f64; 2]| uv[k] - at).collect();
-        let cut = exactly(task.face, &task.options, task.control, cut_where(task.face, &laid.state, &heights))?;
+        let cut = exactly(task.face, &task.options, task.control, cut_where(task.face, &state, &heights))?;
         let cut = task.laid(cut, Vec::new());
         fits(task, &cut).then_some(cut)
     })

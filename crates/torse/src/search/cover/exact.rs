@@ -76,14 +76,36 @@ pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, co
     if options.facets || !options.layout.curves.is_empty() {
         return None;
     }
+    let state = exactly(face, options, control, exact_regions(face, options, [&[], &[]])?)?;
+    (state.panels.len() <= options.max_panels).then_some(state)
+}
+
+/// A developable face triangulated along its parameter lines, among them such of constant u and v, and parted along seams asked for and
+/// where it touches itself. `None` where it is not developable along its parameter lines.
+pub(in crate::search) fn exact_regions(face: &Face, options: &CoverOptions, among: [&[f64]; 2]) -> Option<State> {
     let rulings = Rulings::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
     let [u, v] = lines(&rulings, options.tolerance)?;
-    let mut state = State::on_lines(face, u, v).ok()?;
+    let mut state = State::on_lines(face, with_lines(u, among[0]), with_lines(v, among[1])).ok()?;
     state.partition.split_components(0);
     layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
     part_where_touching(face, &mut state, rulings.is_swapped());
-    let state = exactly(face, options, control, state)?;
-    (state.panels.len() <= options.max_panels).then_some(state)
+    Some(state)
+}
+
+/// Share of the way between two lines within which a third is left out: triangles beside it would be too thin to be judged.
+const BESIDE_LINE: f64 = 0.2;
+
+/// Rising parameters of lines and further ones between them, where these are not next to one that is there.
+fn with_lines(mut lines: Vec<f64>, more: &[f64]) -> Vec<f64> {
+    for &x in more {
+        let k = lines.partition_point(|l| *l < x);
+        let Some([lo, hi]) = k.checked_sub(1).and_then(|i| Some([*lines.get(i)?, *lines.get(k)?])) else { continue };
+        let share = (x - lo) / (hi - lo);
+        if share > BESIDE_LINE && share < 1.0 - BESIDE_LINE {
+            lines.insert(k, x);
+        }
+    }
+    lines
 }
 
 /// Parts regions whose border touches itself, as around holes that touch each other: a panel has one border that does not. Cut
@@ -242,6 +264,11 @@ mod tests {
         let mut face = Face::untrimmed(Surface::new(k(2), k(1), &points, None).expect("surface"));
         face.loops.extend(holes);
         face
+    }
+
+    #[test]
+    fn lines_are_added_where_they_are_not_next_to_others() {
+        assert_eq!(with_lines(vec![0.0, 1.0, 2.0], &[0.5, 1.1, 1.9, 2.5, 1.4]), [0.0, 0.5, 1.0, 1.4, 2.0]);
     }
 
     #[test]

@@ -39,7 +39,7 @@ use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
 pub use exact::exactly;
-pub(in crate::search) use exact::exactly_covered;
+pub(in crate::search) use exact::{exact_regions, exactly_covered};
 pub(crate) use exact::{is_developable, is_smoothly_developable};
 pub use job::CoverOptions;
 pub(crate) use job::{Job, DISTANCE_SHARE};
@@ -540,15 +540,16 @@ pub(crate) fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])])
     state
 }
 
-/// The same panels cut where functions of the parameters are zero; all parts keep their torses.
+/// The same regions cut where functions of the parameters are zero; parts keep the torses of what is covered.
 pub(crate) fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64]) -> State {
     let mut state = state.clone();
     for height in heights {
         for label in state.partition.distinct_labels() {
             let mut trial = state.clone();
-            let Some(fit) = trial.panels.remove(&label) else { continue };
+            let fit = trial.panels.remove(&label);
             if let Some(cut) = halve::parted(&face.surface, &mut trial, label, height) {
-                trial.panels.extend(cut.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
+                let fits = cut.into_iter().filter_map(|p| Some((p, Arc::clone(fit.as_ref()?))));
+                trial.panels.extend(fits);
                 state = trial;
             }
         }
