@@ -135,7 +135,7 @@ fn drawn(name: &str, bytes: &[u8]) -> Result<bool, String> {
 }
 
 fn job(bytes: &[u8]) -> Result<bool, String> {
-    let job = shape::read(bytes, "job", Some(1.0)).map_err(|e| e.to_string())?;
+    let job = shape::read(bytes, "job", None).map_err(|e| e.to_string())?;
     Ok(job.unit.is_finite() && job.curves.iter().flat_map(|c| &c.1.control).flatten().all(|x| x.is_finite()))
 }
 

@@ -185,7 +185,7 @@ fn notes(answer: &Answer, options: &WorkshopOptions, told: Told) -> Vec<ShopNote
         (w.sheet.is_some_and(|s| s.neutral.is_nan()) && !unknown.contains(&p.name)).then(|| p.name.clone())
     };
     let left: Vec<String> = answer.patterns.iter().zip(&answer.shop.work).filter_map(left).collect();
-    if !left.is_empty() && answer.job != Job::Unroll {
+    if !left.is_empty() && (answer.job != Job::Unroll || options.k.is_none()) {
         out.push(ShopNote::NotNeutral { parts: left });
     }
     let off = |w: &PartWork| w.faceted.as_ref().map_or(0.0, |f| f.displacement_estimate);

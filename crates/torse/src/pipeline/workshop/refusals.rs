@@ -27,7 +27,9 @@ pub(super) fn refusals(answer: &Answer, options: &WorkshopOptions, not_neutral: 
             if no_room {
                 Some(JobReason::NoRoom { part: part(), asked, unit })
             } else {
-                not_neutral.contains(&k).then(|| JobReason::NotNeutral { part: part() })
+                // Who says where the neutral fibre lies asks for it; else a note tells of it.
+                let is_asked = options.k.is_some() && not_neutral.contains(&k);
+                is_asked.then(|| JobReason::NotNeutral { part: part() })
             }
         };
         reason.map(|r| Claim::objection(Subject::Part(pattern.panel), r))

@@ -284,7 +284,10 @@ pub(super) fn of_job(reason: &JobReason) -> String {
             format!("part {part} bends so tightly that a sheet of {} has no room inside", sheet(*asked, *unit))
         }
         JobReason::NotNeutral { part } => {
-            format!("the flat pattern of part {part} is that of its surface, not of the neutral fibre of the sheet")
+            format!(
+                "the flat pattern of part {part} is that of its surface, not of the neutral fibre of the sheet, which is no surface \
+                 where faces run to a point; leave out --k to cut the surface as it is"
+            )
         }
         JobReason::Panels(reasons) => {
             let told = told(reasons.iter().map(why).collect());
