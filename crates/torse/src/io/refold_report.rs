@@ -84,9 +84,10 @@ impl RefoldPanel {
 }
 
 impl RefoldPart {
-    /// Whether it is farther from its part in space than a tolerance (mm): as measured, or as far as is proven.
+    /// Whether some place of it is farther from its part in space than a tolerance (mm), as measured: what is proven is an upper
+    /// bound, often far above it.
     fn is_beyond(&self, tolerance: f64) -> bool {
-        self.distance_estimate.max(self.distance_bound.unwrap_or(0.0)) > tolerance
+        self.distance_estimate > tolerance
     }
 }
 
@@ -156,9 +157,8 @@ impl RefoldReport {
         if !beyond.is_empty() {
             _ = writeln!(
                 out,
-                "  beyond the tolerance of the result, {}, or not shown to be within: {}. If no file was changed, the parts may still be \
-                 right: between the lines that are drawn the turn of the sheet is not in the files. More lines (--bend-step) bring them \
-                 nearer.",
+                "  beyond the tolerance of the result, {}: {}. If no file was changed, the parts may still be right: between the lines that \
+                 are drawn the turn of the sheet is not in the files. More lines (--bend-step) bring them nearer.",
                 length(self.tolerance),
                 beyond.join(", "),
             );
