@@ -6,7 +6,9 @@ use super::bend_table::SheetBendRecord;
 use super::bends::BendRecord;
 use super::{marks, words};
 use crate::certify::claim::What;
+use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::part::SheetPart;
 use serde::{Deserialize, Serialize};
 
 mod of;
@@ -338,6 +340,33 @@ pub struct NeutralRecord {
     pub k: KRecord,
     /// Thickness at every panel of the part, mm.
     pub thickness: Vec<f64>,
+    /// Which side of the sheet the panels are (`inside`, `middle`, `outside`), of surfaces that were given a thickness; null for bodies,
+    /// whose panels are outer sides.
+    #[serde(default)]
+    pub side: Option<String>,
+}
+
+impl NeutralRecord {
+    /// Of a part; `None` where its surfaces are drawn as they are.
+    fn of(sheet: &SheetPart) -> Option<Self> {
+        let of_body = || Self { k: KRecord::of(&sheet.k), thickness: sheet.local.clone(), side: None };
+        let given = sheet.given.as_ref().map(|g| Self {
+            k: KRecord::of(&g.k),
+            thickness: vec![g.thickness; sheet.local.len()],
+            side: Some(g.side.words().into()),
+        });
+        given.or_else(|| (sheet.thickness > 0.0).then(of_body))
+    }
+
+    /// The side, if there is one; an unknown word is an error.
+    ///
+    /// # Errors
+    /// The word.
+    pub fn sheet_side(&self) -> Result<Option<SheetSide>, &str> {
+        let Some(word) = self.side.as_deref() else { return Ok(None) };
+        let all = [SheetSide::Inside, SheetSide::Middle, SheetSide::Outside];
+        all.into_iter().find(|s| s.words() == word).map(Some).ok_or(word)
+    }
 }
 
 /// A K-factor: depth of the neutral fibre as a share of the thickness; `"din"`; or rows of inside radius over thickness and

@@ -57,6 +57,8 @@ pub struct RefoldPart {
     pub disagreement_deg: f64,
     /// Distance between the corners of the panels laid flat and those of the outline as drawn.
     pub alignment: f64,
+    /// How far it may lie from panels that were given a sheet: as the neutral fibre, which is drawn, or as the outer side.
+    pub beside: f64,
     /// Place on the drawing of the sample farthest from where it belongs.
     pub worst: [f64; 2],
     /// Samples compared.
@@ -84,10 +86,10 @@ impl RefoldPanel {
 }
 
 impl RefoldPart {
-    /// Whether some place of it is farther from its part in space than a tolerance (mm), as measured: what is proven is an upper
+    /// Whether some place of it is farther from its part in space than a tolerance (mm) and the sheet ask for, as measured: what is proven is an upper
     /// bound, often far above it.
     fn is_beyond(&self, tolerance: f64) -> bool {
-        self.distance_estimate > tolerance
+        self.distance_estimate > tolerance + self.beside
     }
 }
 
@@ -151,6 +153,15 @@ impl RefoldReport {
                     None => writeln!(out, "    panel {}: not proven: {}", panel.name, panel.not_proven),
                 };
             }
+        }
+        let drawn_beside = |p: &&RefoldPart| p.distance_estimate > self.tolerance && !p.is_beyond(self.tolerance);
+        for p in self.parts.iter().filter(drawn_beside) {
+            _ = writeln!(
+                out,
+                "  {}: bent back is the sheet, up to {} beside the panels that were given it",
+                p.name,
+                length(p.beside)
+            );
         }
         let beyond: Vec<&str> =
             self.parts.iter().filter(|p| p.is_beyond(self.tolerance)).map(|p| p.name.as_str()).collect();

@@ -9,9 +9,11 @@ use crate::develop::refold::atlas::{of_face, Atlas, AtlasError, PanelPatch};
 use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow};
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{course, sheet, RefoldError};
+use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::KFactor;
 use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
+use crate::io::json::NeutralRecord;
 use crate::io::result_folder::{ResultFolder, ResultPart};
 use crate::io::step::read as step;
 use std::collections::HashMap;
@@ -45,10 +47,22 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
         bends: part.bends.iter().map(bend).collect(),
         extents: part.extents.clone(),
         inset,
-        thickness: part.record.neutral.as_ref().map_or(0.0, |n| n.thickness.iter().copied().fold(0.0, f64::max)),
+        thickness: part.record.neutral.as_ref().filter(|n| n.side.is_none()).map_or(0.0, greatest),
         printed: part.printed,
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
     }
+}
+
+/// Greatest thickness (mm) of a sheet.
+fn greatest(sheet: &NeutralRecord) -> f64 {
+    sheet.thickness.iter().copied().fold(0.0, f64::max)
+}
+
+/// How far (mm) a part that was bent back may lie from its panels where these were given a sheet: as its neutral fibre, which is drawn,
+/// or as its outer side.
+pub(crate) fn beside_panels(part: &ResultPart) -> f64 {
+    let given = part.record.neutral.as_ref().filter(|n| n.side.is_some());
+    given.map_or_else(|| part.record.neutral_offset.unwrap_or(0.0).abs(), greatest)
 }
 
 /// Share of their extent within which lines of one bend are one line: half of what a fold is off one that is drawn as a curve.
@@ -159,8 +173,8 @@ pub(crate) fn atlases(
         all.min_by(|a, b| better(a).total_cmp(&better(b))).unwrap_or(Err(AtlasError::Empty))
     };
     let chain = |own: &[Face]| developed(own.iter().map(of_face).collect());
-    let unfolded = |own: &[Face], k: &KFactor, thickness: Vec<f64>| {
-        Atlas::unfolded(own, k, thickness, folder.report.tolerance).and_then(|a| a.aligned(flat))
+    let unfolded = |own: &[Face], k: &KFactor, sheet: (Vec<f64>, Option<SheetSide>)| {
+        Atlas::unfolded(own, k, sheet, folder.report.tolerance).and_then(|a| a.aligned(flat))
     };
     let found = match panels {
         Panels::Strips(all) => {
@@ -175,10 +189,10 @@ pub(crate) fn atlases(
             match folder.report.job.as_str() {
                 "approximate" | "fit" => chain(&own),
                 // One after the other; a pipe is cut open where the chain begins.
-                "cones" => chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), vec![0.0; own.len()])),
+                "cones" => chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), (vec![0.0; own.len()], None))),
                 _ => {
-                    let (k, thickness) = neutral(part, own.len())?;
-                    unfolded(&own, &k, thickness)
+                    let (k, sheet) = neutral(part, own.len())?;
+                    unfolded(&own, &k, sheet)
                 }
             }
         }
@@ -191,15 +205,16 @@ pub(crate) fn atlases(
     Ok(found)
 }
 
-/// K-factor and thickness (mm) at every panel of a part; none for surfaces.
-fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, Vec<f64>), String> {
+/// K-factor, and thickness (mm) at every panel of a part with the side that the panels are; none for surfaces.
+fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, (Vec<f64>, Option<SheetSide>)), String> {
     let Some(neutral) = &part.record.neutral else {
         let silent = part.bends.iter().any(|b| b.k > 0.0);
-        let told = || (KFactor::default(), vec![0.0; panels]);
+        let told = || (KFactor::default(), (vec![0.0; panels], None));
         return if silent { Err(UNKNOWN_NEUTRAL.into()) } else { Ok(told()) };
     };
     let k = neutral.k.factor().filter(|_| neutral.thickness.len() == panels).ok_or(UNKNOWN_NEUTRAL)?;
-    Ok((k, neutral.thickness.clone()))
+    let side = neutral.sheet_side().map_err(|_| UNKNOWN_NEUTRAL)?;
+    Ok((k, (neutral.thickness.clone(), side)))
 }
 
 /// What is the matter with reports that do not say what was drawn.

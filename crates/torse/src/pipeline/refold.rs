@@ -1,7 +1,7 @@
 //! The job of `torse refold`: a result read back, bent back, and compared with the part in space; how far it is from
 //! that is proven where it can be.
 
-use super::part_atlas::{atlases, flat_part, panels, read_bound, refolded};
+use super::part_atlas::{atlases, beside_panels, flat_part, panels, read_bound, refolded};
 use crate::certify::claim::UpperBound;
 use crate::control::Control;
 use crate::develop::refold::atlas::Atlas;
@@ -40,6 +40,8 @@ pub struct PartAnswer {
     pub printed_proven: Option<f64>,
     /// Distance of the panels' corners from the outline drawn, mm.
     pub alignment: f64,
+    /// How far it may lie from panels that were given a sheet, mm: as the neutral fibre, which is drawn, or as the outer side.
+    pub beside: f64,
 }
 
 /// The answer.
@@ -108,6 +110,7 @@ fn answer(
         proven: Vec::new(),
         printed_proven: None,
         alignment: f64::NAN,
+        beside: beside_panels(part),
         flat,
         refolded,
     };
@@ -184,6 +187,7 @@ impl RefoldAnswer {
                     printed_estimate: p.printed.as_ref().map(|c| c.matched_estimate),
                     disagreement_deg: p.refolded.disagreement.to_degrees(),
                     alignment: p.alignment,
+                    beside: p.beside,
                     worst: [c.worst.x, c.worst.y],
                     samples: c.samples,
                 }),

@@ -11,6 +11,7 @@ use crate::brep::body::Body;
 use crate::brep::face::Face;
 use crate::brep::project::refine;
 use crate::develop::map::Development;
+use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::chart::Chart;
 use crate::develop::unfold::region::Motion;
@@ -398,15 +399,20 @@ impl Atlas {
         Self::of(sheets)
     }
 
-    /// Faces of one sheet, with the thickness (mm, 0 for surfaces) of every one below the skin given, laid flat to a tolerance (mm)
-    /// as they were: faces without a closed form are laid in strips that depend on it.
+    /// Faces of one sheet, with the thickness (mm, 0 for surfaces) of every one below the skin given, or as the side of a sheet, laid
+    /// flat to a tolerance (mm) as they were: faces without a closed form are laid in strips that depend on it.
     ///
     /// # Errors
     /// Faces that cannot be laid beside each other.
-    pub fn unfolded(faces: &[Face], k: &KFactor, thickness: Vec<f64>, tolerance: f64) -> Result<Self, AtlasError> {
+    pub fn unfolded(
+        faces: &[Face],
+        k: &KFactor,
+        (thickness, side): (Vec<f64>, Option<SheetSide>),
+        tolerance: f64,
+    ) -> Result<Self, AtlasError> {
         let body = Body::joined(faces.iter().collect(), BESIDE);
         let skin: Vec<usize> = (0..faces.len()).collect();
-        let asked = UnfoldOptions { k: k.clone(), tolerance, thickness, side: None, joins: Joins::All };
+        let asked = UnfoldOptions { k: k.clone(), tolerance, thickness, side, joins: Joins::All };
         let (pieces, left) = unfold(&body, &skin, &asked);
         if let Some(f) = left.first().map(|k| &faces[*k]) {
             return Err(AtlasError::Panel { name: f.name.clone(), reason: "it has no closed chart".into() });

@@ -1,7 +1,7 @@
 //! The record of an answer.
 
 use super::{
-    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinRecord, JoinedRecord, JointRecord, KRecord, NeutralRecord,
+    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinRecord, JoinedRecord, JointRecord, NeutralRecord,
     PanelRecord, PartRecord, PointRecord, Report, SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord,
     SCHEMA, UNKNOWN,
 };
@@ -295,9 +295,7 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 same_as: same(k).map_or_else(String::new, |s| answer.patterns[s.pattern].name.clone()),
                 mirrored: same(k).is_some_and(|s| s.mirrored),
                 sheet_bends: sheet(k).map_or_else(Vec::new, |s| bend_table::records(&s.bends)),
-                neutral: sheet(k)
-                    .filter(|s| s.thickness > 0.0)
-                    .map(|s| NeutralRecord { k: KRecord::of(&s.k), thickness: s.local.clone() }),
+                neutral: sheet(k).and_then(NeutralRecord::of),
                 quantity: count(k).as_drawn,
                 quantity_turned_over: count(k).turned_over,
                 cut_length: pattern.map(cut_length).and_then(finite),

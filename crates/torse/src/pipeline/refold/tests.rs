@@ -3,17 +3,18 @@
 use super::{refold, RefoldReport};
 use crate::brep::face::Face;
 use crate::control::Control;
+use crate::develop::shop::thickness::{Sheet, SheetSide};
 use crate::develop::unfold::allowance::KFactor;
-use crate::develop::unfold::specimens::{rectangle, rolled_cone, round_surface};
+use crate::develop::unfold::specimens::{quarter, rectangle, rolled_cone, round_surface};
 use crate::geom::Vec3;
 use crate::io::model::Model;
-use crate::io::step::write::{self as step, Header};
 use crate::pipeline::deliver::files;
 use crate::pipeline::map_artwork::{read_map, Side};
 use crate::pipeline::unroll::{unroll, UnrollOptions};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
 
 const TOLERANCE: f64 = 0.05;
 
@@ -102,10 +103,36 @@ fn faces_that_bend_both_ways_are_bent_back_as_one() {
     let points: Vec<Vec3> = profile.iter().flat_map(|p| [*p, p + 90.0 * Vec3::y()]).collect();
     let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
     let surface = Surface::new(knots(3), knots(1), &points, None).expect("a surface");
-    let header = Header { name: "wave".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
-    let mut bytes = Vec::new();
-    step::sheets(&mut bytes, &header, &[step::Sheet::untrimmed("wave", &surface)]).expect("a file");
-    let report = back(crate::read(&bytes).expect("a model").faces);
+    let report = back(vec![Face::untrimmed(surface)]);
     assert!(report.left.is_empty() && report.parts.len() == 1, "{:?}", report.left);
     assert!(report.parts[0].panels.iter().all(|p| p.distance_bound.is_some()), "{:?}", report.parts);
+}
+
+/// What is drawn of surfaces that were given a thickness is their neutral fibre: places go to it, and bent back it is beside them.
+#[test]
+fn surfaces_that_were_given_a_thickness_are_compared_with_their_neutral_fibre() {
+    let (radius, t) = (50.0, 4.0);
+    for side in [SheetSide::Inside, SheetSide::Middle, SheetSide::Outside] {
+        let faces = vec![quarter(Vec3::zeros(), Vec3::z(), radius * Vec3::x(), 40.0)];
+        let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+        let sheet = Some(Sheet { thickness: t, side, k: KFactor::Ansi(0.3) });
+        let options = UnrollOptions { surfaces: true, sheet, ..UnrollOptions::new(TOLERANCE) };
+        let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
+        let made: HashMap<String, Vec<u8>> =
+            files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+        let report = refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report();
+        let p = &report.parts[0];
+        assert!(report.is_within() && p.beside == t, "{side:?} {report:?}");
+        // Bent back is the outer side of the sheet.
+        let on_it = p.distance_bound.is_some_and(|b| b < TOLERANCE);
+        assert!(on_it == (side == SheetSide::Outside) && p.distance_estimate < t, "{side:?} {p:?}");
+        let map = read_map(&|name| made.get(name).cloned(), None, None).expect("a map");
+        let angle = 0.5;
+        let at = |a: f64| (1, Vec3::new(radius * a.cos(), radius * a.sin(), 20.0));
+        let found = map.points(&[at(0.2), at(0.2 + angle)], Side::Flat);
+        let [a, b] = [0, 1].map(|k: usize| found[k].place.expect("a place on the part"));
+        let neutral = answer.patterns[0].area / (40.0 * FRAC_PI_2);
+        assert!((neutral - radius).abs() > 0.5, "{side:?} {neutral}");
+        assert!(((b - a).norm() - neutral * angle).abs() < 1e-6, "{side:?} {}", (b - a).norm());
+    }
 }
