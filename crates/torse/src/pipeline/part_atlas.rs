@@ -173,7 +173,7 @@ pub(crate) fn atlases(
         all.min_by(|a, b| better(a).total_cmp(&better(b))).unwrap_or(Err(AtlasError::Empty))
     };
     let chain = |own: &[Face]| developed(own.iter().map(of_face).collect());
-    let unfolded = |own: &[Face], k: &KFactor, sheet: (Vec<f64>, Option<SheetSide>)| {
+    let unfolded = |own: &[Face], k: &KFactor, sheet: SheetOfPanels| {
         Atlas::unfolded(own, k, sheet, folder.report.tolerance).and_then(|a| a.aligned(flat))
     };
     let found = match panels {
@@ -205,8 +205,11 @@ pub(crate) fn atlases(
     Ok(found)
 }
 
-/// K-factor, and thickness (mm) at every panel of a part with the side that the panels are; none for surfaces.
-fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, (Vec<f64>, Option<SheetSide>)), String> {
+/// Thickness (mm) at every panel of a part, zero for surfaces, and the side of the sheet that the panels are where they were given one.
+type SheetOfPanels = (Vec<f64>, Option<SheetSide>);
+
+/// K-factor and sheet of a part of so many panels.
+fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, SheetOfPanels), String> {
     let Some(neutral) = &part.record.neutral else {
         let silent = part.bends.iter().any(|b| b.k > 0.0);
         let told = || (KFactor::default(), (vec![0.0; panels], None));
