@@ -63,7 +63,7 @@ impl Output {
         let (parent, name) = place_of(target)?;
         workspace::clean(&parent, &name, Form::Folder);
         let place = match fs::symlink_metadata(target) {
-            Ok(metadata) => look(target, &metadata, input, force)?,
+            Ok(metadata) => inspect(target, &metadata, input, force)?,
             Err(_) => Place::Free,
         };
         let workspace = workspace_in(&parent, &name, Form::Folder)?;
@@ -255,7 +255,7 @@ fn told(names: &[String]) -> String {
 }
 
 /// What an existing `target` is, if it may be used.
-fn look(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool) -> Result<Place, Failure> {
+fn inspect(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool) -> Result<Place, Failure> {
     let shown = target.display();
     if metadata.is_symlink() {
         return Err(Failure::new(format!("'{shown}' is a link"), "name the folder itself with --out"));

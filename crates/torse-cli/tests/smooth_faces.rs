@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use torse::geom::Vec3;
-use torse::io::step::write::{sheets, Header, Sheet};
+use torse::io::step::write::{shells, Header, Shell};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 
@@ -21,9 +21,9 @@ fn bowl() -> Surface {
 
 fn step(patches: &[Surface]) -> Vec<u8> {
     let header = Header { name: "bowl".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
-    let named: Vec<Sheet> = patches.iter().enumerate().map(|(k, s)| Sheet::untrimmed(&format!("P{k}"), s)).collect();
+    let named: Vec<Shell> = patches.iter().enumerate().map(|(k, s)| Shell::untrimmed(&format!("P{k}"), s)).collect();
     let mut out = Vec::new();
-    sheets(&mut out, &header, &named).expect("written");
+    shells(&mut out, &header, &named).expect("written");
     out
 }
 

@@ -5,7 +5,7 @@ use torse::design::discrete::planarise::{planarise, Hold, PlanariseOptions, Plan
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided};
 use torse::fit::elements::decompose::{decompose, DecomposeOptions};
 use torse::geom::Vec3;
-use torse::torse::kind::{Run, TangentPlane};
+use torse::torse::kind::{EnvelopePiece, TangentPlane};
 use torse::torse::quad_strip::QuadStrip;
 
 fn main() {
@@ -61,5 +61,7 @@ fn planes(count: usize) -> Vec<TangentPlane> {
 #[divan::bench(args = [100, 400, 10_000])]
 fn decompose_planes(b: divan::Bencher, count: usize) {
     let planes = planes(count);
-    b.bench(|| -> Vec<Run> { decompose(divan::black_box(&planes), &DecomposeOptions::default()).expect("runs") });
+    b.bench(|| -> Vec<EnvelopePiece> {
+        decompose(divan::black_box(&planes), &DecomposeOptions::default()).expect("runs")
+    });
 }

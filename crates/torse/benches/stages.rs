@@ -7,7 +7,7 @@ use torse::brep::face::Face;
 use torse::certify;
 use torse::control::Control;
 use torse::develop::pattern::{pattern, PatternOptions};
-use torse::fit::level::strip_potential::{levels, LevelOptions};
+use torse::fit::strip_potential::{strip_potentials, StripPotentialOptions};
 use torse::io::bundle;
 use torse::io::step::read::read;
 use torse::pipeline::approximate::{of_faces, Options};
@@ -40,12 +40,19 @@ fn reading() -> usize {
     read(BOWL).expect("a model").faces.len()
 }
 
-/// One of the two spaces in which level functions are sought.
+/// One of the two spaces in which strip potentials are sought.
 #[divan::bench(sample_count = 10)]
 fn field(bencher: divan::Bencher) {
     let state = State::of_face(&face(), f64::INFINITY).expect("a triangulation");
     let (forms, places) = (state.forms(0, 1500), state.places(0));
-    bencher.bench(|| levels(&forms, &places, &LevelOptions { spans: 3, keep: 3, ..LevelOptions::default() }).len());
+    bencher.bench(|| {
+        strip_potentials(
+            &forms,
+            &places,
+            &StripPotentialOptions { spans: 3, keep: 3, ..StripPotentialOptions::default() },
+        )
+        .len()
+    });
 }
 
 /// Field, fits and the proofs that accept them.

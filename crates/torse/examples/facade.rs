@@ -8,7 +8,7 @@ use std::error::Error;
 use std::io::{BufWriter, Write as _};
 
 use torse::geom::Vec3;
-use torse::io::step::write::{self, Header, Sheet};
+use torse::io::step::write::{self, Header, Shell};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 
@@ -25,12 +25,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     };
     let count: usize = count.parse()?;
-    let sheets: Vec<Sheet> = (0..count)
-        .map(|k| panel(k, count).map(|s| Sheet::untrimmed(&format!("P-{:05}", k + 1), &s)))
+    let sheets: Vec<Shell> = (0..count)
+        .map(|k| panel(k, count).map(|s| Shell::untrimmed(&format!("P-{:05}", k + 1), &s)))
         .collect::<Result<_, _>>()?;
     let header = Header { name: "facade".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
     let mut file = BufWriter::new(std::fs::File::create(path)?);
-    write::sheets(&mut file, &header, &sheets)?;
+    write::shells(&mut file, &header, &sheets)?;
     file.flush()?;
     Ok(())
 }

@@ -494,14 +494,14 @@ fn rings_run_around_the_middle() {
 }
 
 /// The piece of a torus with panels along one curve.
-fn along(shape: CurveShape, tolerance: f64) -> Result<Answer, ApproximateError> {
+fn panels_along(shape: CurveShape, tolerance: f64) -> Result<Answer, ApproximateError> {
     let curves = vec![PanelCurve { name: "the curve".into(), shape }];
     run(TORUS, &Options { layout: Layout { curves, ..Layout::default() }, ..apart(tolerance) })
 }
 
 #[test]
 fn panels_along_a_curve_go_on_until_the_face_is_covered() {
-    let o = along(CurveShape::AlongU(0.5), TOLERANCE).expect("an answer");
+    let o = panels_along(CurveShape::AlongU(0.5), TOLERANCE).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     // Envelopes of tangent planes need about √2 times as many panels as best fits, which are two here.
     assert!(o.patchwork.panels.len() <= 3, "{}", o.patchwork.panels.len());
@@ -514,7 +514,7 @@ fn panels_along_a_curve_go_on_until_the_face_is_covered() {
 /// it lies in.
 #[test]
 fn strips_in_the_direction_of_a_curve_are_the_other_answer() {
-    let o = along(CurveShape::AlongU(0.5), 5.0).expect("an answer");
+    let o = panels_along(CurveShape::AlongU(0.5), 5.0).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     assert!(o.patchwork.panels.len() <= 4, "{}", o.patchwork.panels.len());
     assert!(matches!(&o.notes[..], [torse::answer::note::Note::DirectionOf { curve }] if curve == "the curve"));
@@ -523,23 +523,23 @@ fn strips_in_the_direction_of_a_curve_are_the_other_answer() {
 
 #[test]
 fn a_section_gives_a_panel_or_a_direction() {
-    let o = along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an answer");
+    let o = panels_along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
 }
 
 #[test]
 fn curves_of_no_use_are_refused_by_name() {
-    let e = along(CurveShape::Section { normal: Vec3::x(), offset: 1e6 }, 1.0).expect_err("misses");
+    let e = panels_along(CurveShape::Section { normal: Vec3::x(), offset: 1e6 }, 1.0).expect_err("misses");
     assert!(matches!(&e, ApproximateError::Curve(CurveError::Misses { name, .. }) if name == "the curve"), "{e}");
     let far: Vec<Vec3> = (0..9).map(|i| Vec3::new(0.0, 10.0 * i as f64, 5e3)).collect();
-    let e = along(CurveShape::Points(far), 1.0).expect_err("off the surface");
+    let e = panels_along(CurveShape::Points(far), 1.0).expect_err("off the surface");
     assert!(matches!(e, ApproximateError::Curve(CurveError::Off { distance, .. }) if distance > 1e3), "{e}");
-    let e = along(CurveShape::Points(vec![Vec3::zeros(); 5]), 1.0).expect_err("no length");
+    let e = panels_along(CurveShape::Points(vec![Vec3::zeros(); 5]), 1.0).expect_err("no length");
     assert!(matches!(e, ApproximateError::Curve(CurveError::Empty { .. })), "{e}");
-    let e = along(CurveShape::Points(vec![Vec3::new(f64::NAN, 0.0, 0.0); 5]), 1.0).expect_err("not finite");
+    let e = panels_along(CurveShape::Points(vec![Vec3::new(f64::NAN, 0.0, 0.0); 5]), 1.0).expect_err("not finite");
     assert!(matches!(e, ApproximateError::Curve(CurveError::Empty { .. })), "{e}");
-    let e = along(CurveShape::AlongV(1.5), 1.0).expect_err("no share");
+    let e = panels_along(CurveShape::AlongV(1.5), 1.0).expect_err("no share");
     assert!(matches!(e, ApproximateError::Curve(CurveError::Share { .. })), "{e}");
 }
 

@@ -1,7 +1,7 @@
 //! Numbered folders of an earlier run that had more of them: left where they are, their parts would be cut twice.
 
 use super::workspace::Form;
-use super::{look, told, workspace, Place};
+use super::{inspect, told, workspace, Place};
 use crate::failure::os_reason;
 use std::fs;
 use std::path::Path;
@@ -69,7 +69,7 @@ pub fn remove_surplus(numbered: &Numbered<'_>, input: &Path) -> Vec<String> {
 /// Removes a folder that Torse wrote; an empty one holds nothing that could be cut, and stays.
 fn remove(folder: &Path, input: &Path, job: &str) -> Result<bool, String> {
     let metadata = fs::symlink_metadata(folder).map_err(|e| os_reason(&e))?;
-    let found = match look(folder, &metadata, input, true).map_err(|failure| failure.message)? {
+    let found = match inspect(folder, &metadata, input, true).map_err(|failure| failure.message)? {
         Place::Earlier(found) => found,
         Place::Free | Place::Empty => return Ok(false),
     };

@@ -50,7 +50,7 @@ pub const TAKEN: &str = "something was put there meanwhile";
 
 /// What the mark says.
 #[derive(Serialize, Deserialize)]
-struct Run {
+struct Mark {
     schema: String,
     /// Name of the target.
     target: String,
@@ -80,8 +80,8 @@ impl Workspace {
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::ResourceBusy.into()),
         }
-        let run = Run { schema: form.schema().into(), target: name.to_owned(), process: std::process::id() };
-        lock.write_all(serde_json::to_string(&run)?.as_bytes())?;
+        let says = Mark { schema: form.schema().into(), target: name.to_owned(), process: std::process::id() };
+        lock.write_all(serde_json::to_string(&says)?.as_bytes())?;
         lock.sync_all()?;
         fs::create_dir(folder.path().join(RESULT))?;
         Ok(Self { folder, _lock: lock })
@@ -287,9 +287,9 @@ fn finished(workspace: &Path) -> io::Result<()> {
 /// The lock of a workspace for the target `name` whose run has ended.
 fn dead(workspace: &Path, name: &str, form: Form) -> Option<File> {
     let mark = workspace.join(RUN);
-    let run: Run = serde_json::from_slice(&fs::read(&mark).ok()?).ok()?;
+    let says: Mark = serde_json::from_slice(&fs::read(&mark).ok()?).ok()?;
     let lock = File::options().write(true).open(&mark).ok()?;
-    (run.schema == form.schema() && run.target == name && lock.try_lock().is_ok()).then_some(lock)
+    (says.schema == form.schema() && says.target == name && lock.try_lock().is_ok()).then_some(lock)
 }
 
 #[cfg(test)]

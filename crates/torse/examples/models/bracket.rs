@@ -2,7 +2,7 @@
 
 use super::{uses, Outcome};
 use torse::geom::{Frame, Vec3};
-use torse::io::step::write::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface};
+use torse::io::step::write::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
 
 const THICKNESS: f64 = 2.0;
 const INSIDE_RADIUS: f64 = 3.0;
@@ -13,8 +13,8 @@ const STRETCHES: [(f64, f64); 5] = [(25.0, 0.0), (0.0, -60.0), (70.0, 0.0), (0.0
 const HOLE: f64 = 12.0;
 
 /// A tab bent down by 60°, a base with a round hole, a wall bent up by 90°.
-pub fn bracket() -> Outcome<Sheet> {
-    let mut sheet = Sheet { name: "bracket".into(), ..Sheet::default() };
+pub fn bracket() -> Outcome<Shell> {
+    let mut sheet = Shell { name: "bracket".into(), ..Shell::default() };
     // The base lies level.
     let mut at = Station { point: Vec3::zeros(), angle: 60.0_f64.to_radians() };
     sheet.vertices.extend(at.corners());
@@ -25,23 +25,23 @@ pub fn bracket() -> Outcome<Sheet> {
         sheet.vertices.extend(next.corners());
         for corner in 0..4 {
             let curve = match at.bend(degrees, corner % 2) {
-                Some((frame, radius)) if corner < 2 => SheetCurve::Circle { frame, radius },
+                Some((frame, radius)) if corner < 2 => ShellCurve::Circle { frame, radius },
                 Some((frame, radius)) => {
-                    SheetCurve::Circle { frame: Frame { origin: frame.origin + Vec3::y() * WIDTH, ..frame }, radius }
+                    ShellCurve::Circle { frame: Frame { origin: frame.origin + Vec3::y() * WIDTH, ..frame }, radius }
                 }
-                None => SheetCurve::Line,
+                None => ShellCurve::Line,
             };
-            sheet.edges.push(SheetEdge { start: first + corner, end: first + 4 + corner, curve });
+            sheet.edges.push(ShellEdge { start: first + corner, end: first + 4 + corner, curve });
         }
         skins.push((first, at, degrees));
         at = next;
     }
     let last = sheet.vertices.len() - 4;
     for v in (0..=last).step_by(4).flat_map(|v| [v, v + 1]) {
-        sheet.edges.push(SheetEdge { start: v, end: v + 2, curve: SheetCurve::Line });
+        sheet.edges.push(ShellEdge { start: v, end: v + 2, curve: ShellCurve::Line });
     }
     for v in [0, 2, last, last + 2] {
-        sheet.edges.push(SheetEdge { start: v, end: v + 1, curve: SheetCurve::Line });
+        sheet.edges.push(ShellEdge { start: v, end: v + 1, curve: ShellCurve::Line });
     }
     for (first, at, degrees) in &skins {
         for level in 0..2 {
@@ -50,11 +50,11 @@ pub fn bracket() -> Outcome<Sheet> {
             let outwards = if level == 0 { -at.up() } else { at.up() };
             let (surface, reversed) = match at.bend(*degrees, level) {
                 // The inner side of a bend looks to its axis.
-                Some((frame, radius)) => (SheetSurface::Cylinder { frame, radius }, radius == INSIDE_RADIUS),
+                Some((frame, radius)) => (ShellSurface::Cylinder { frame, radius }, radius == INSIDE_RADIUS),
                 None => (plane(sheet.vertices[a], at.heading(), outwards), false),
             };
             let loops = vec![around(&sheet, &corners)?];
-            sheet.faces.push(SheetFace { name: String::new(), surface, reversed, loops });
+            sheet.faces.push(ShellFace { name: String::new(), surface, reversed, loops });
         }
     }
     // Both ends, then both sides.
@@ -63,7 +63,7 @@ pub fn bracket() -> Outcome<Sheet> {
     for (corners, outwards) in ends {
         let surface = plane(sheet.vertices[corners[0]], Vec3::y(), outwards);
         let loops = vec![around(&sheet, &corners)?];
-        sheet.faces.push(SheetFace { name: String::new(), surface, reversed: false, loops });
+        sheet.faces.push(ShellFace { name: String::new(), surface, reversed: false, loops });
     }
     for side in [0, 2] {
         let below = (side..sheet.vertices.len()).step_by(4);
@@ -74,7 +74,7 @@ pub fn bracket() -> Outcome<Sheet> {
         }
         let surface = plane(sheet.vertices[side], Vec3::x(), outwards);
         let loops = vec![around(&sheet, &corners)?];
-        sheet.faces.push(SheetFace { name: String::new(), surface, reversed: false, loops });
+        sheet.faces.push(ShellFace { name: String::new(), surface, reversed: false, loops });
     }
     // The base is the third stretch: faces 4 (below) and 5 (above).
     bore(&mut sheet, skins[2].1.ahead(0.5 * STRETCHES[2].0), [4, 5]);
@@ -132,12 +132,12 @@ impl Station {
     }
 }
 
-fn plane(origin: Vec3, x: Vec3, z: Vec3) -> SheetSurface {
-    SheetSurface::Plane(Frame { origin, x, y: z.cross(&x), z })
+fn plane(origin: Vec3, x: Vec3, z: Vec3) -> ShellSurface {
+    ShellSurface::Plane(Frame { origin, x, y: z.cross(&x), z })
 }
 
 /// The loop along edges from vertex to vertex.
-fn around(sheet: &Sheet, corners: &[usize]) -> Outcome<Vec<EdgeUse>> {
+fn around(sheet: &Shell, corners: &[usize]) -> Outcome<Vec<EdgeUse>> {
     let way = |k: usize| {
         let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
         let found = sheet.edges.iter().position(|e| [e.start, e.end] == [a, b] || [e.start, e.end] == [b, a]);
@@ -147,7 +147,7 @@ fn around(sheet: &Sheet, corners: &[usize]) -> Outcome<Vec<EdgeUse>> {
 }
 
 /// A round hole, square to the sheet, through its lower and upper face.
-fn bore(sheet: &mut Sheet, at: Station, faces: [usize; 2]) {
+fn bore(sheet: &mut Shell, at: Station, faces: [usize; 2]) {
     let (up, x) = (at.up(), at.heading());
     let origin = at.point + Vec3::y() * (0.5 * WIDTH);
     let frame = Frame { origin, x, y: up.cross(&x), z: up };
@@ -155,14 +155,14 @@ fn bore(sheet: &mut Sheet, at: Station, faces: [usize; 2]) {
     for level in 0..2 {
         let frame = Frame { origin: origin + up * (THICKNESS * level as f64), ..frame };
         sheet.vertices.push(frame.origin + x * HOLE);
-        let curve = SheetCurve::Circle { frame, radius: HOLE };
-        sheet.edges.push(SheetEdge { start: vertex + level, end: vertex + level, curve });
+        let curve = ShellCurve::Circle { frame, radius: HOLE };
+        sheet.edges.push(ShellEdge { start: vertex + level, end: vertex + level, curve });
     }
-    sheet.edges.push(SheetEdge { start: vertex, end: vertex + 1, curve: SheetCurve::Line });
+    sheet.edges.push(ShellEdge { start: vertex, end: vertex + 1, curve: ShellCurve::Line });
     // A hole is run clockwise, seen from outside; its wall looks to its axis.
     sheet.faces[faces[0]].loops.push(uses(&[(edge, true)]));
     sheet.faces[faces[1]].loops.push(uses(&[(edge + 1, false)]));
     let loops = vec![uses(&[(edge + 2, true), (edge + 1, true), (edge + 2, false), (edge, false)])];
-    let surface = SheetSurface::Cylinder { frame, radius: HOLE };
-    sheet.faces.push(SheetFace { name: String::new(), surface, reversed: true, loops });
+    let surface = ShellSurface::Cylinder { frame, radius: HOLE };
+    sheet.faces.push(ShellFace { name: String::new(), surface, reversed: true, loops });
 }

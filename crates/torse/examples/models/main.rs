@@ -12,7 +12,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 use torse::geom::{Frame, Vec3};
-use torse::io::step::write::{self, EdgeUse, Header, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface};
+use torse::io::step::write::{self, EdgeUse, Header, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
@@ -26,15 +26,15 @@ fn main() -> Outcome<()> {
     for (name, sheet) in models()? {
         let header = Header { name: name.into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
         let mut text = Vec::new();
-        write::sheets(&mut text, &header, &[sheet])?;
+        write::shells(&mut text, &header, &[sheet])?;
         fs::write(Path::new(&folder).join(format!("{name}.step")), text)?;
     }
     Ok(())
 }
 
 /// All models with their names.
-fn models() -> Outcome<Vec<(&'static str, Sheet)>> {
-    let spline = |name, s: Surface| (name, Sheet::untrimmed(name, &s));
+fn models() -> Outcome<Vec<(&'static str, Shell)>> {
+    let spline = |name, s: Surface| (name, Shell::untrimmed(name, &s));
     Ok(vec![
         spline("hull", freeform(3, [6, 4], hull)?),
         spline("half_bowl", freeform(3, [6, 4], half_bowl)?),
@@ -112,7 +112,7 @@ fn torus_piece() -> Outcome<Surface> {
 }
 
 /// A hopper: 200° of a cone between a circle and an oblique plane, with two holes.
-fn cone_holes() -> Outcome<Sheet> {
+fn cone_holes() -> Outcome<Shell> {
     let (radius, half_angle) = (300.0, 20.0f64.to_radians());
     let slope = half_angle.tan();
     let radius_at = |z: f64| radius + z * slope;
@@ -120,51 +120,51 @@ fn cone_holes() -> Outcome<Sheet> {
     // Plane z = 600 + 0.3 x.
     let top = |phi: f64| (600.0 + 0.3 * radius * phi.cos()) / (1.0 - 0.3 * slope * phi.cos());
     let (a, b) = (-100.0f64.to_radians(), 100.0f64.to_radians());
-    let mut sheet = Sheet { name: "cone_holes".into(), ..Sheet::default() };
+    let mut sheet = Shell { name: "cone_holes".into(), ..Shell::default() };
     sheet.vertices = [point(a, 0.0), point(b, 0.0), point(b, top(b)), point(a, top(a))].into();
-    let arc = SheetCurve::Circle { frame: Frame::world(), radius };
+    let arc = ShellCurve::Circle { frame: Frame::world(), radius };
     let rim = spline(40, |s| {
         let phi = a + (b - a) * s;
         point(phi, top(phi))
     })?;
     sheet.edges = vec![
-        SheetEdge { start: 0, end: 1, curve: arc },
-        SheetEdge { start: 1, end: 2, curve: SheetCurve::Line },
-        SheetEdge { start: 3, end: 2, curve: SheetCurve::Spline(rim) },
-        SheetEdge { start: 0, end: 3, curve: SheetCurve::Line },
+        ShellEdge { start: 0, end: 1, curve: arc },
+        ShellEdge { start: 1, end: 2, curve: ShellCurve::Line },
+        ShellEdge { start: 3, end: 2, curve: ShellCurve::Spline(rim) },
+        ShellEdge { start: 0, end: 3, curve: ShellCurve::Line },
     ];
     let mut loops = vec![uses(&[(0, true), (1, true), (2, false), (3, false)])];
     loops.push(hole(&mut sheet, &radius_at, 40.0, 330.0, [90.0, 90.0], 1)?);
     loops.push(hole(&mut sheet, &radius_at, -45.0, 300.0, [120.0, 60.0], 2)?);
-    let surface = SheetSurface::Cone { frame: Frame::world(), radius, half_angle };
-    sheet.faces.push(SheetFace { name: "hopper".into(), surface, reversed: false, loops });
+    let surface = ShellSurface::Cone { frame: Frame::world(), radius, half_angle };
+    sheet.faces.push(ShellFace { name: "hopper".into(), surface, reversed: false, loops });
     Ok(sheet)
 }
 
 /// A pipe, closed on itself, with a round and an oval hole.
-fn cylinder_holes() -> Outcome<Sheet> {
+fn cylinder_holes() -> Outcome<Shell> {
     let (radius, height) = (250.0, 800.0);
-    let mut sheet = Sheet { name: "cylinder_holes".into(), ..Sheet::default() };
+    let mut sheet = Shell { name: "cylinder_holes".into(), ..Shell::default() };
     sheet.vertices = vec![Vec3::new(radius, 0.0, 0.0), Vec3::new(radius, 0.0, height)];
     let circle =
-        |z: f64| SheetCurve::Circle { frame: Frame { origin: Vec3::new(0.0, 0.0, z), ..Frame::world() }, radius };
+        |z: f64| ShellCurve::Circle { frame: Frame { origin: Vec3::new(0.0, 0.0, z), ..Frame::world() }, radius };
     sheet.edges = vec![
-        SheetEdge { start: 0, end: 0, curve: circle(0.0) },
-        SheetEdge { start: 0, end: 1, curve: SheetCurve::Line },
-        SheetEdge { start: 1, end: 1, curve: circle(height) },
+        ShellEdge { start: 0, end: 0, curve: circle(0.0) },
+        ShellEdge { start: 0, end: 1, curve: ShellCurve::Line },
+        ShellEdge { start: 1, end: 1, curve: circle(height) },
     ];
     let mut loops = vec![uses(&[(0, true), (1, true), (2, false), (1, false)])];
     loops.push(hole(&mut sheet, &|_| radius, 90.0, 330.0, [110.0, 110.0], 1)?);
     loops.push(hole(&mut sheet, &|_| radius, 215.0, 480.0, [90.0, 160.0], 2)?);
-    let surface = SheetSurface::Cylinder { frame: Frame::world(), radius };
-    sheet.faces.push(SheetFace { name: "pipe".into(), surface, reversed: false, loops });
+    let surface = ShellSurface::Cylinder { frame: Frame::world(), radius };
+    sheet.faces.push(ShellFace { name: "pipe".into(), surface, reversed: false, loops });
     Ok(sheet)
 }
 
 /// Cuts a surface of revolution with a horizontal elliptic pipe (half axes across and up) that meets the axis of
 /// revolution at height `z` in the direction `phi_deg`: adds the cut as `parts` edges and answers the loop.
 fn hole(
-    sheet: &mut Sheet,
+    sheet: &mut Shell,
     radius_at: &dyn Fn(f64) -> f64,
     phi_deg: f64,
     z: f64,
@@ -183,7 +183,7 @@ fn hole(
         let curve = spline(72 / parts, |s| cut((k as f64 + s) / parts as f64))?;
         sheet.vertices.push(Vec3::from(curve.control[0]));
         let (start, end) = (vertex + k, vertex + (k + 1) % parts);
-        sheet.edges.push(SheetEdge { start, end, curve: SheetCurve::Spline(curve) });
+        sheet.edges.push(ShellEdge { start, end, curve: ShellCurve::Spline(curve) });
     }
     // The pipe is run counter-clockwise seen from outside; a hole is run clockwise.
     Ok(uses(&(edge..edge + parts).rev().map(|e| (e, false)).collect::<Vec<_>>()))

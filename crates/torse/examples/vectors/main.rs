@@ -18,10 +18,10 @@ use std::process::ExitCode;
 use value::{Case, Checks};
 
 /// Runs a case, if its kind is known there.
-type Room = fn(&Case) -> Option<Result<Checks, String>>;
+type Group = fn(&Case) -> Option<Result<Checks, String>>;
 
-/// One room per capability: the first that knows a kind runs the case; `None` where it knows nothing of it.
-const ROOMS: &[Room] = &[nets::run, composite::run, curves::run, dual::run, cones::run, discrete::run];
+/// One group of cases per capability: the first that knows a kind runs the case; `None` where it knows nothing of it.
+const GROUPS: &[Group] = &[nets::run, composite::run, curves::run, dual::run, cones::run, discrete::run];
 
 /// What became of the cases of one kind.
 #[derive(Default)]
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
     let mut tallies: BTreeMap<String, Tally> = BTreeMap::new();
     for (number, case) in cases.iter().enumerate() {
         let tally = tallies.entry(case.kind.clone()).or_default();
-        let answer = ROOMS.iter().find_map(|run| run(case));
+        let answer = GROUPS.iter().find_map(|run| run(case));
         let outcome = match answer {
             None => {
                 tally.unknown += 1;

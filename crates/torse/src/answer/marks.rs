@@ -147,7 +147,7 @@ mod tests {
         let mut answer = Answer::new(Job::Unroll, "ducts", 0.1);
         answer.parts = ["A", "B"].map(|name| Part { name: name.into(), first: 0, count: 0, missing: None }).into();
         answer.patterns = (0..2).map(|panel| Pattern { panel, ..Pattern::default() }).collect();
-        let proven = |subject, bound| Claim::at_most(What::CarrierDistance, subject, bound).within(0.1);
+        let proven = |subject, bound| Claim::at_most(What::MapSurfaceDistance, subject, bound).within(0.1);
         answer.claims = vec![
             proven(Subject::Whole, UpperBound::UNKNOWN).told_of_parts(),
             proven(Subject::Part(0), UpperBound::largest([])).within(f64::INFINITY),
@@ -180,7 +180,10 @@ mod tests {
         );
         assert_eq!(all(&|a| a.claims[2] = a.claims[2].clone().within(f64::INFINITY)), [true, true]);
         // What was only measured of a part, and nothing at all, is no proof.
-        assert_eq!(all(&|a| a.claims[1] = Claim::measured(What::CarrierDistance, Subject::Part(0), 0.0)), [true, true]);
+        assert_eq!(
+            all(&|a| a.claims[1] = Claim::measured(What::MapSurfaceDistance, Subject::Part(0), 0.0)),
+            [true, true]
+        );
         assert_eq!(all(&|a| drop(a.claims.remove(1))), [true, true]);
         // What is only left out, nobody can cut.
         assert_eq!(all(&|a| a.claims.push(Claim::left_out(StripReason::NoHull))), [false, true]);

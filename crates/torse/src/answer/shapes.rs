@@ -4,7 +4,7 @@ use super::Answer;
 use crate::fit::elements::decompose::{decompose, DecomposeOptions};
 use crate::geom::BBox;
 use crate::torse::form::PanelKind;
-use crate::torse::kind::{RunShape, TangentPlane};
+use crate::torse::kind::{EnvelopeShape, TangentPlane};
 use crate::torse::strip::Strip;
 
 /// A stretch of a part that is of one shape.
@@ -13,7 +13,7 @@ pub struct Shape {
     /// Name of the part.
     pub part: String,
     /// What it is.
-    pub shape: RunShape,
+    pub shape: EnvelopeShape,
     /// Where it lies: index of a strip and parameters of the first and the last ruling, strip after strip.
     pub pieces: Vec<(usize, f64, f64)>,
     /// Angle through which the tangent plane turns, rad, measured.
@@ -139,7 +139,7 @@ mod tests {
         let strips = discrete(cone, 20);
         let s = part_shapes("A", 3, &strips.iter().collect::<Vec<_>>(), 0.001).expect("shapes");
         assert_eq!(s.len(), 1);
-        let RunShape::Cone { apex: found } = s[0].shape else { panic!("{:?}", s[0].shape) };
+        let EnvelopeShape::Cone { apex: found } = s[0].shape else { panic!("{:?}", s[0].shape) };
         assert!((found - apex).norm() < 1e-6 && s[0].residual < 1e-9);
         assert_eq!((s[0].pieces.len(), s[0].pieces[0], s[0].pieces[19]), (20, (3, 0.0, 1.0), (22, 0.0, 1.0)));
         assert!((s[0].turn - 1.45).abs() < 0.05, "{}", s[0].turn);

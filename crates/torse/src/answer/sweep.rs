@@ -9,7 +9,7 @@ pub struct SweepRow {
     pub panels: usize,
     /// Length of all seams (each counted once, mean of its two sides), mm.
     pub seam_length: f64,
-    /// Estimate of the fewest bands, where a level function covers every face; covers can have fewer.
+    /// Estimate of the fewest bands, where a strip potential covers every face; covers can have fewer.
     pub limit: Option<f64>,
     /// Whether the result is certified.
     pub certified: bool,

@@ -1,23 +1,23 @@
-//! Faces of one body with their boundary runs, and which runs of neighbouring faces are one edge.
+//! Faces of one body with their boundary stretches, and which stretches of neighbouring faces are one edge.
 
-use super::carrier::{carrier, outward, Carrier};
-use super::run::{runs, Run};
+use super::boundary_stretch::{boundary_stretches, BoundaryStretch};
+use super::recognised_surface::{outward, recognise, RecognisedSurface};
 use crate::brep::face::Face;
 use crate::geom::{BBox, Vec3};
 use std::collections::HashMap;
 
-/// A run of a face with its place in the body.
+/// A stretch of a face with its place in the body.
 #[derive(Clone, Debug)]
 pub struct Half {
     /// Index of the face in the body.
     pub face: usize,
     /// Number of the loop within the face.
     pub lap: usize,
-    /// The run.
-    pub run: Run,
-    /// The run that follows in its loop.
+    /// The stretch.
+    pub stretch: BoundaryStretch,
+    /// The stretch that follows in its loop.
     pub next: usize,
-    /// The run of the neighbouring face (or of the same one, along a seam) that is the same edge, the other way.
+    /// The stretch of the neighbouring face (or of the same one, along a seam) that is the same edge, the other way.
     pub twin: Option<usize>,
     /// Length in space, mm.
     pub length: f64,
@@ -29,8 +29,8 @@ pub struct Body<'a> {
     /// The faces.
     pub faces: Vec<&'a Face>,
     /// Their surfaces.
-    pub carriers: Vec<Carrier>,
-    /// All runs.
+    pub recognised: Vec<RecognisedSurface>,
+    /// All stretches.
     pub halves: Vec<Half>,
     /// Diagonal, mm.
     pub size: f64,
@@ -53,64 +53,64 @@ const SAME_EDGE: f64 = 1e-4;
 pub(crate) const SMOOTH: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 impl<'a> Body<'a> {
-    /// Finds runs, carriers and neighbours of faces.
+    /// Finds stretches, surfaces and neighbours of faces.
     pub fn new(faces: Vec<&'a Face>) -> Self {
         Self::joined(faces, SAME_PLACE)
     }
 
     /// The same, where ends of edges without common number are one point within a share of the body.
     pub fn joined(faces: Vec<&'a Face>, same_place: f64) -> Self {
-        let carriers = faces.iter().map(|f| carrier(f)).collect();
+        let recognised = faces.iter().map(|f| recognise(f)).collect();
         let mut bounds = BBox::empty();
         for b in faces.iter().map(|f| f.surface.bbox()) {
             bounds.include(&b.min);
             bounds.include(&b.max);
         }
-        let mut laps: Vec<(usize, usize, Vec<Run>)> = Vec::new();
+        let mut laps: Vec<(usize, usize, Vec<BoundaryStretch>)> = Vec::new();
         for (k, f) in faces.iter().enumerate() {
-            laps.extend(runs(f).into_iter().enumerate().map(|(l, r)| (k, l, r)));
+            laps.extend(boundary_stretches(f).into_iter().enumerate().map(|(l, r)| (k, l, r)));
         }
         let size = bounds.diagonal();
         let laps = split_alike(&faces, laps, SAME_EDGE * size);
         let mut halves = Vec::new();
-        for (face, lap, runs) in laps {
-            let (first, count) = (halves.len(), runs.len());
-            for (k, run) in runs.into_iter().enumerate() {
-                let length = run.length_estimate(faces[face]);
-                halves.push(Half { face, lap, run, next: first + (k + 1) % count, twin: None, length });
+        for (face, lap, stretches) in laps {
+            let (first, count) = (halves.len(), stretches.len());
+            for (k, stretch) in stretches.into_iter().enumerate() {
+                let length = stretch.length_estimate(faces[face]);
+                halves.push(Half { face, lap, stretch, next: first + (k + 1) % count, twin: None, length });
             }
         }
-        let mut body = Self { faces, carriers, halves, size };
+        let mut body = Self { faces, recognised, halves, size };
         body.pair_by_number();
         body.pair_by_place(same_place * size);
         body
     }
 
-    /// The neighbouring face beyond a run.
+    /// The neighbouring face beyond a stretch.
     pub fn beyond(&self, half: usize) -> Option<usize> {
         self.halves[half].twin.map(|t| self.halves[t].face)
     }
 
-    /// Runs of a face.
+    /// Stretches of a face.
     pub fn of_face(&self, face: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.halves.len()).filter(move |h| self.halves[*h].face == face)
     }
 
-    /// How the faces on both sides of a run meet, half way along it.
+    /// How the faces on both sides of a stretch meet, half way along it.
     pub fn meeting(&self, half: usize) -> Option<Meeting> {
         self.meeting_at(half, 0.5)
     }
 
-    /// The same at a share of the run.
+    /// The same at a share of the stretch.
     pub fn meeting_at(&self, half: usize, share: f64) -> Option<Meeting> {
         let h = &self.halves[half];
         let other = &self.halves[h.twin?];
-        /// Step along the run for its direction.
+        /// Step along the stretch for its direction.
         const STEP: f64 = 1e-4;
-        let (x, uv) = h.run.at(self.faces[h.face], share);
-        let t = h.run.at(self.faces[h.face], share + STEP).0 - x;
-        let s = other.run.nearest(self.faces[other.face], &x).0;
-        let (_, there) = other.run.at(self.faces[other.face], s);
+        let (x, uv) = h.stretch.at(self.faces[h.face], share);
+        let t = h.stretch.at(self.faces[h.face], share + STEP).0 - x;
+        let s = other.stretch.nearest(self.faces[other.face], &x).0;
+        let (_, there) = other.stretch.at(self.faces[other.face], s);
         let (n, m) = (outward(self.faces[h.face], uv)?, outward(self.faces[other.face], there)?);
         // The way into the other face, at its border.
         let inward = t.cross(&m);
@@ -119,8 +119,8 @@ impl<'a> Body<'a> {
 
     fn pair_by_number(&mut self) {
         let mut of: HashMap<u64, Vec<usize>> = HashMap::new();
-        for (k, h) in self.halves.iter().enumerate().filter(|(_, h)| h.run.entity > 0) {
-            of.entry(h.run.entity).or_default().push(k);
+        for (k, h) in self.halves.iter().enumerate().filter(|(_, h)| h.stretch.entity > 0) {
+            of.entry(h.stretch.entity).or_default().push(k);
         }
         let mut groups: Vec<Vec<usize>> = of.into_values().collect();
         groups.sort();
@@ -129,7 +129,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Runs that have no neighbour by number: sheets whose faces are not sewn.
+    /// Stretches that have no neighbour by number: sheets whose faces are not sewn.
     fn pair_by_place(&mut self, tolerance: f64) {
         let mut open: Vec<(f64, usize)> =
             (0..self.halves.len()).filter(|k| self.halves[*k].twin.is_none()).map(|k| (self.middle(k).x, k)).collect();
@@ -158,11 +158,11 @@ impl<'a> Body<'a> {
             let [p, q] = self.ends(o);
             let h = &self.halves[o];
             // Middles of parameters need not agree: the nearest point does.
-            let beside = h.run.nearest(self.faces[h.face], &middle).1;
+            let beside = h.stretch.nearest(self.faces[h.face], &middle).1;
             (a - q).norm().max((b - p).norm()).max(beside)
         };
         let free = others.iter().copied().filter(|o| self.halves[*o].twin.is_none());
-        let free = free.filter(|o| self.along(k, *o, tolerance) != Some(true));
+        let free = free.filter(|o| self.runs_same_way(k, *o, tolerance) != Some(true));
         let best = free.map(|o| (apart(o), o)).min_by(|x, y| x.0.total_cmp(&y.0)).filter(|b| b.0 <= tolerance);
         if let Some((_, o)) = best {
             self.halves[k].twin = Some(o);
@@ -170,27 +170,27 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Whether a run that ends where it begins is run through the same way by another one of the same place; `None` for runs with
+    /// Whether a stretch that ends where it begins is run through the same way by another one of the same place; `None` for runs with
     /// two ends, which tell it.
-    fn along(&self, k: usize, other: usize, tolerance: f64) -> Option<bool> {
+    fn runs_same_way(&self, k: usize, other: usize, tolerance: f64) -> Option<bool> {
         let [h, o] = [k, other].map(|i| &self.halves[i]);
         let [a, b] = self.ends(k);
         if (a - b).norm() > tolerance || h.length.min(o.length) <= tolerance {
             return None;
         }
-        let share = |s: f64| o.run.nearest(self.faces[o.face], &h.run.at(self.faces[h.face], s).0).0;
+        let share = |s: f64| o.stretch.nearest(self.faces[o.face], &h.stretch.at(self.faces[h.face], s).0).0;
         Some(share(0.25) < share(0.75))
     }
 
     fn ends(&self, k: usize) -> [Vec3; 2] {
         let h = &self.halves[k];
-        h.run.ends(self.faces[h.face])
+        h.stretch.ends(self.faces[h.face])
     }
 
-    /// The point half way along a run.
+    /// The point half way along a stretch.
     pub(crate) fn middle(&self, k: usize) -> Vec3 {
         let h = &self.halves[k];
-        h.run.at(self.faces[h.face], 0.5).0
+        h.stretch.at(self.faces[h.face], 0.5).0
     }
 }
 
@@ -206,8 +206,8 @@ pub(crate) fn oriented(body: &Body) -> Option<Vec<Face>> {
         let alike = open[i + 1..].iter().find(|&&g| {
             let [p, q] = body.ends(g);
             let near = (a - p).norm().max((b - q).norm()) <= tolerance;
-            let beside = || body.halves[g].run.nearest(body.faces[body.halves[g].face], &middle).1 <= tolerance;
-            near && beside() && body.along(h, g, tolerance) != Some(false)
+            let beside = || body.halves[g].stretch.nearest(body.faces[body.halves[g].face], &middle).1 <= tolerance;
+            near && beside() && body.runs_same_way(h, g, tolerance) != Some(false)
         });
         against.extend(alike.map(|g| (body.halves[h].face, body.halves[*g].face)));
     }
@@ -242,9 +242,13 @@ pub(crate) fn oriented(body: &Body) -> Option<Vec<Face>> {
     Some(body.faces.iter().zip(&turned).map(face).collect())
 }
 
-/// Runs with one number, split where any of them ends: where the reader cut a closed face along a seam, its edges fall
+/// Stretches with one number, split where any of them ends: where the reader cut a closed face along a seam, its edges fall
 /// into more pieces than those of the neighbours.
-fn split_alike(faces: &[&Face], laps: Vec<(usize, usize, Vec<Run>)>, tolerance: f64) -> Vec<(usize, usize, Vec<Run>)> {
+fn split_alike(
+    faces: &[&Face],
+    laps: Vec<(usize, usize, Vec<BoundaryStretch>)>,
+    tolerance: f64,
+) -> Vec<(usize, usize, Vec<BoundaryStretch>)> {
     let mut ends: HashMap<u64, Vec<Vec3>> = HashMap::new();
     let mut count: HashMap<u64, usize> = HashMap::new();
     for (face, _, runs) in &laps {
@@ -253,7 +257,7 @@ fn split_alike(faces: &[&Face], laps: Vec<(usize, usize, Vec<Run>)>, tolerance: 
             *count.entry(r.entity).or_default() += 1;
         }
     }
-    let split = |face: usize, run: Run| {
+    let split = |face: usize, run: BoundaryStretch| {
         // Two runs with equal ends are what one expects: nothing to be done.
         let Some(ends) = ends.get(&run.entity).filter(|_| count.get(&run.entity) != Some(&1)) else { return vec![run] };
         let mut out = vec![run];

@@ -5,7 +5,7 @@
 
 pub mod area;
 pub mod body;
-pub mod carrier;
+pub mod boundary_stretch;
 pub(crate) mod conic;
 pub mod face;
 pub(crate) mod join;
@@ -15,9 +15,9 @@ pub(crate) mod parameter_map;
 pub(crate) mod project;
 pub mod raw;
 pub(crate) mod recast;
+pub mod recognised_surface;
 pub(crate) mod ruled;
 pub(crate) mod rulings;
-pub mod run;
 pub mod space_curve;
 pub mod support_surface;
 pub(crate) mod swept;

@@ -1,6 +1,6 @@
 //! Offset surfaces: exact for the support surfaces whose offsets are of their own kind, interpolated for the rest.
 
-use super::support_surface::{SplineCarrier, SupportSurface};
+use super::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::surface::{Surface, NO_NORMAL};
@@ -38,7 +38,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 /// See [`OffsetError`].
-pub(crate) fn of_carrier(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
+pub(crate) fn of_support(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
     let positive = |x: f64| if x > 0.0 { Ok(x) } else { Err(OffsetError::Vanishes(distance)) };
     let exact = |c: SupportSurface| Ok((c, 0.0));
     match base {
@@ -111,7 +111,7 @@ fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, f64), Off
     }
     match best {
         Some((out, worst)) if worst <= ACCEPTED_SHARE * size => {
-            Ok((SupportSurface::Spline(SplineCarrier::new(out)), worst))
+            Ok((SupportSurface::Spline(SplineSupport::new(out)), worst))
         }
         Some((_, worst)) => Err(OffsetError::TooRough(worst)),
         None => Err(OffsetError::NoNormal),
@@ -191,7 +191,7 @@ mod tests {
             SupportSurface::Torus { frame: f, major: 5.0, minor: 2.0 },
         ];
         for c in supports {
-            let (o, deviation) = of_carrier(&c, -0.5).expect("an offset");
+            let (o, deviation) = of_support(&c, -0.5).expect("an offset");
             assert!(deviation <= 0.0);
             for q in [[0.3, 0.2], [2.0, -0.7]] {
                 let j = c.jet(q);
@@ -200,7 +200,7 @@ mod tests {
                 assert!((foot.p - x).norm() < 1e-12, "{c:?}");
             }
         }
-        assert!(of_carrier(&SupportSurface::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
+        assert!(of_support(&SupportSurface::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
     }
 
     #[test]
@@ -210,7 +210,7 @@ mod tests {
             (0..25).map(|k| Vec3::new((k / 5) as f64, (k % 5) as f64, ((k * k) as f64 * 0.01).sin())).collect();
         let s = Surface::new(k.clone(), k, &points, None).expect("surface");
         let (o, deviation) =
-            of_carrier(&SupportSurface::Spline(SplineCarrier::new(s.clone())), 0.2).expect("an offset");
+            of_support(&SupportSurface::Spline(SplineSupport::new(s.clone())), 0.2).expect("an offset");
         assert!(deviation < 1e-4);
         let SupportSurface::Spline(o) = o else { unreachable!() };
         for i in 0..=20 {

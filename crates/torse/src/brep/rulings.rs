@@ -116,7 +116,7 @@ impl<'a> Rulings<'a> {
     }
 
     /// Whether the lines meet in a point at either end, for all that a file can tell.
-    pub fn meet(&self) -> [bool; 2] {
+    pub fn end_in_points(&self) -> [bool; 2] {
         let (a, b) = self.across;
         let (lo, hi) = self.along;
         let point = |k: usize, r: f64| {

@@ -66,12 +66,12 @@ pub enum SupportSurface {
         frame: Frame,
     },
     /// A B-spline surface.
-    Spline(SplineCarrier),
+    Spline(SplineSupport),
 }
 
 /// A B-spline surface with what searches and unwrapping need to know.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SplineCarrier {
+pub struct SplineSupport {
     /// The surface.
     pub surface: Surface,
     /// Periods in u and v of a surface whose opposite sides coincide.
@@ -100,7 +100,7 @@ const TRUSTED: f64 = 1e-5;
 /// Sides this near to each other, or to a point, as a share of the size, may be meant as one.
 const NEARLY: f64 = 1e-4;
 
-impl SplineCarrier {
+impl SplineSupport {
     /// Examines a surface.
     pub fn new(surface: Surface) -> Self {
         let size = surface.bbox().diagonal();
@@ -152,7 +152,7 @@ impl SplineCarrier {
     }
 }
 
-impl SplineCarrier {
+impl SplineSupport {
     /// The foot near a guess; steps that stop at a closed side go on from the opposite one.
     fn near(&self, x: &Vec3, guess: [f64; 2]) -> project::Foot {
         let mut best = project::refine(&self.surface, x, self.wrap(guess));
@@ -457,7 +457,7 @@ mod tests {
     fn poles_of_a_collapsed_patch_are_seen() {
         let k = Knots::new(1, vec![0., 0., 1., 1.], 2).expect("knots");
         let p = [Vec3::zeros(), Vec3::zeros(), Vec3::x(), Vec3::y()];
-        let c = SplineCarrier::new(Surface::new(k.clone(), k, &p, None).expect("surface"));
+        let c = SplineSupport::new(Surface::new(k.clone(), k, &p, None).expect("surface"));
         assert_eq!(c.poles.len(), 1);
         assert_eq!((c.poles[0].axis, c.periods), (0, [None, None]));
     }

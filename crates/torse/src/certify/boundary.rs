@@ -79,7 +79,7 @@ struct Piece {
 
 impl Boundary<'_> {
     /// Bounds the length of the paths over a run. `vertices` are the corner points of the face's partition.
-    pub fn run_bound(&self, run: &Coedge, vertices: &[[f64; 2]]) -> Result<RunBound, Obstacle> {
+    pub fn coedge_bound(&self, run: &Coedge, vertices: &[[f64; 2]]) -> Result<CoedgeBound, Obstacle> {
         let place = |i: usize| run.vertices.get(i).and_then(|&v| vertices.get(v as usize)).copied();
         let first = place(0).unwrap_or([f64::NAN; 2]);
         let refuse = |uv: [f64; 2], fault: LoopFault| Err(Obstacle { uv, fault });
@@ -137,7 +137,7 @@ impl Boundary<'_> {
             }
             sides.push(Side { ends: [a, b], bound, curvature });
         }
-        start.map(|start| RunBound { sides, start }).ok_or(Obstacle { uv: first, fault: LoopFault::Empty })
+        start.map(|start| CoedgeBound { sides, start }).ok_or(Obstacle { uv: first, fault: LoopFault::Empty })
     }
 
     fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {
@@ -185,8 +185,8 @@ impl Boundary<'_> {
             q_ends = q_ends.max(here.foot(here.f(x), here.mu(x)).mag());
             p_ends = p_ends.max(dot(&Family::direction(&here), &sub(x, &point)).mag());
         }
-        let (plane, rough_plane) = family.along(t);
-        let (point, rough_point) = self.jets.along(t, r);
+        let (plane, rough_plane) = family.along_curve(t);
+        let (point, rough_point) = self.jets.along_curve(t, r);
         let off = sub(&x, &point);
         let q_jet = plane.foot(plane.f(&x), plane.mu(&x));
         let p_jet = dot(&Family::direction(&plane), &off);
@@ -313,14 +313,14 @@ pub(super) struct Side {
 
 /// What was shown about a run.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct RunBound {
+pub(super) struct CoedgeBound {
     /// Its sides, in order.
     pub sides: Vec<Side>,
     /// First vertex, and an interval with exactly one foot of it, from which the paths start.
     pub start: ([f64; 2], Interval),
 }
 
-impl RunBound {
+impl CoedgeBound {
     /// Whether the paths start at the feet proven inside the region: at one vertex is enough, by continuity.
     pub fn agrees_with(&self, feet: &Feet) -> bool {
         let (vertex, roots) = &self.start;

@@ -160,7 +160,7 @@ pub enum What {
     /// Gap between the two sides of a seam, mm.
     SeamGap,
     /// Distance of faces from the planes, cylinders and cones that are laid flat for them, mm.
-    CarrierDistance,
+    MapSurfaceDistance,
     /// Distance between both flat images of an edge inside a part, mm.
     JointGap,
     /// Angle between the tangent planes along a ruling, degrees.

@@ -68,7 +68,7 @@ impl ConeProof {
         self.worst
     }
 
-    /// A distance from the carriers that is attained at some point of the strip, mm: more than the tolerance proves
+    /// A distance from the cones that is attained at some point of the strip, mm: more than the tolerance proves
     /// failure.
     pub fn attained(&self) -> f64 {
         self.attained
@@ -109,7 +109,7 @@ pub enum ConeJudgeError {
 /// Points this far (as a share of the tolerance) behind the normal plane of a node still count as in front of it; the
 /// same share is added to the bound.
 const BEHIND: f64 = 1e-4;
-/// Rounding of a segment's own points against its exact carrier, as a share of the coordinates: eight operations.
+/// Rounding of a segment's own points against its exact cone, as a share of the coordinates: eight operations.
 const ROUNDING: f64 = 1e-15;
 /// Joints rougher than this are no joints: the wedges of the segments would not meet. What is less is paid for, by
 /// [`GAP`] times the mismatch.
@@ -170,7 +170,7 @@ fn jet(s: &Series<5>) -> Jet {
 
 /// Product with a vector of numbers.
 #[inline]
-fn along<S: Quantity>(a: &V3<S>, k: &Vec3) -> S {
+fn component<S: Quantity>(a: &V3<S>, k: &Vec3) -> S {
     a[0].times(k.x) + a[1].times(k.y) + a[2].times(k.z)
 }
 
@@ -180,7 +180,7 @@ fn from_point<S: Quantity>(a: &V3<S>, o: &Vec3) -> V3<S> {
     [a[0].plus(-o.x), a[1].plus(-o.y), a[2].plus(-o.z)]
 }
 
-/// A segment prepared: carrier, frame of the middle ruling, edges.
+/// A segment prepared: cone, frame of the middle ruling, edges.
 struct Prepared {
     segment: Segment,
     round: Round,
@@ -191,10 +191,10 @@ struct Prepared {
     across: Vec3,
 }
 
-/// A point of a ruling in the coordinates of a carrier.
+/// A point of a ruling in the coordinates of a cone.
 #[derive(Clone, Copy)]
 struct Seen<S> {
-    /// Signed distance from the carrier.
+    /// Signed distance from the cone.
     distance: S,
     /// Along the axis, across it, and the distance from it.
     z: S,
@@ -227,7 +227,7 @@ impl Prepared {
     fn seen<S: Quantity>(&self, x: &V3<S>) -> Seen<S> {
         let r = &self.round;
         let y = from_point(x, &r.center);
-        let z = along(&y, &r.axis);
+        let z = component(&y, &r.axis);
         let q = [y[0] - z.times(r.axis.x), y[1] - z.times(r.axis.y), y[2] - z.times(r.axis.z)];
         if matches!(self.segment.shape, Shape::Flat { .. }) {
             return Seen { distance: z, z, q, rho: S::from(1.0) };
@@ -239,7 +239,7 @@ impl Prepared {
 
     /// det(axis, q_a, q_b): twist of two points of a ruling about the axis.
     fn twist<S: Quantity>(&self, a: &Seen<S>, b: &Seen<S>) -> S {
-        along(&cross(&a.q, &b.q), &self.round.axis)
+        component(&cross(&a.q, &b.q), &self.round.axis)
     }
 
     /// Coordinate along the ruling of the foot of a boundary point, minus that of the edge at the same turn.
@@ -248,16 +248,16 @@ impl Prepared {
         let from = S::from;
         if let Shape::Flat { width } = self.segment.shape {
             let y = from_point(x, &self.middle.point);
-            let t = along(&y, &self.middle.forward).times(2.0).over(from(width));
-            let r = along(&y, &self.middle.direction);
+            let t = component(&y, &self.middle.forward).times(2.0).over(from(width));
+            let r = component(&y, &self.middle.direction);
             return r.plus(-m) - t.times(0.5 * (b - a)) - (t * t).times(0.5 * (a + b) - m);
         }
         let full = self.segment.shape.angle();
         let (half, wh) = ((0.25 * full).sin(), (0.5 * full).sin());
         let vh = 2.0 * half * half;
         let (z, rho) = (seen.z, seen.rho);
-        let cosine = along(&seen.q, &self.radial).over(rho);
-        let sine = along(&seen.q, &self.across).over(rho);
+        let cosine = component(&seen.q, &self.radial).over(rho);
+        let sine = component(&seen.q, &self.across).over(rho);
         let versine = (-cosine).plus(1.0);
         match self.segment.shape {
             Shape::Cone { distance: d, cos_gamma, sin_gamma, .. } => {
@@ -274,7 +274,7 @@ impl Prepared {
 
 /// `(x − point)·forward` of a ruling at both ends.
 fn ahead<S: Quantity>(g: &G1Element, ends: &[V3<S>; 2]) -> [S; 2] {
-    [0, 1].map(|k| along(&from_point(&ends[k], &g.point), &g.forward))
+    [0, 1].map(|k| component(&from_point(&ends[k], &g.point), &g.forward))
 }
 
 /// Bounds over a stretch, and what is reached at its ends.
@@ -290,7 +290,7 @@ struct Stretch {
 /// The proof for a cone spline made of pairs between rulings of a strip.
 ///
 /// *Input*: the strip with enclosures; `nodes`, the rulings that the chain takes, one more than pairs (two segments
-/// each). *Guarantee*: the bounds hold for the exact carriers (centre, axis, radius, opening as numbers) of the
+/// each). *Guarantee*: the bounds hold for the exact cones (centre, axis, radius, opening as numbers) of the
 /// segments and the strip as enclosed; points of segments computed in double precision are within 1e-15 of the
 /// coordinates of these, which is added. Rulings of the chain count as lines in the bound of the strip.
 /// *Not guaranteed*: anything where a bound is infinite.
@@ -571,7 +571,7 @@ fn judge(
 }
 
 /// Whether the map from the strip to its feet keeps its orientation over a stretch: the normals `e × x'` of the strip,
-/// linear along a ruling, and those of the carrier at the feet, `rise w − tilt q/ρ`, are nowhere at right angles.
+/// linear along a ruling, and those of the cone at the feet, `rise w − tilt q/ρ`, are nowhere at right angles.
 fn unfolded(segment: &Prepared, jets: &[V3<Series<5>>; 2], seen: &[Seen<Series<5>>; 2]) -> bool {
     let value = |k: usize| jets[k].map(|s| s.0[0]);
     let ruling = sub(&value(1), &value(0));
@@ -584,7 +584,7 @@ fn unfolded(segment: &Prepared, jets: &[V3<Series<5>>; 2], seen: &[Seen<Series<5
     }
     let rho = Interval { lo: 0.5 * a.lo.min(b.lo), hi: a.hi.max(b.hi) };
     let facing = |normal: &V3<Interval>, s: &Seen<Series<5>>| {
-        let along_axis = along(normal, &round.axis) * round.rise;
+        let along_axis = component(normal, &round.axis) * round.rise;
         let radial = dot(normal, &s.q.map(|q| q.0[0])) * round.tilt;
         (along_axis * rho - radial).lo
     };

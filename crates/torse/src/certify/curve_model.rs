@@ -176,7 +176,8 @@ mod tests {
             assert!(off.size().0 < 1e-6 * ruling.norm() && off.size().0 > 1e-9, "{:?}", off.size());
             let moved = model.moved(&[Interval::ONE; 3]).minus(&model).range();
             assert!(moved.iter().all(|m| m.contains(1.0) && m.width() < 1e-4), "{moved:?}");
-            let [a, b] = [&theta, &other].map(|t| jets.along(Jet::of_bernstein(&t[0]), Jet::of_bernstein(&t[1])).0);
+            let [a, b] =
+                [&theta, &other].map(|t| jets.along_curve(Jet::of_bernstein(&t[0]), Jet::of_bernstein(&t[1])).0);
             assert!((a[0] - b[0]).v.width() > 1e-3);
         }
         assert!(seen > 3 && length > 1.0 - 1e-6, "{seen} {length}");

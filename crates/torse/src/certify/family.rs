@@ -264,7 +264,7 @@ impl Family {
     }
 
     /// The planes along a curve `t(s)` inside the domain, with derivatives in s; and how [`rough`] they are.
-    pub fn along(&self, t: Jet) -> (Plane<Jet>, f64) {
+    pub fn along_curve(&self, t: Jet) -> (Plane<Jet>, f64) {
         let (first, last) = (self.span(t.v.lo), self.span(t.v.hi));
         let axes = self.axes.map(|r| r.map(Jet::constant));
         let piece = |i: usize| {

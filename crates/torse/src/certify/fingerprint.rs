@@ -94,7 +94,7 @@ pub(super) fn of_panel(
         for r in l {
             r.vertices.len().hash(&mut h);
             r.vertices.iter().for_each(|v| vertex(v, &mut h));
-            course(r, &mut h);
+            coedge_curves(r, &mut h);
         }
     }
     Some(h.finish())
@@ -195,11 +195,11 @@ fn run(r: &Coedge, first_seam: usize, h: &mut DefaultHasher) {
         Border::Trim { edge } | Border::Joint { edge, .. } => (1u8, edge).hash(h),
     }
     r.vertices.hash(h);
-    course(r, h);
+    coedge_curves(r, h);
 }
 
 /// Where a run goes.
-fn course(r: &Coedge, h: &mut DefaultHasher) {
+fn coedge_curves(r: &Coedge, h: &mut DefaultHasher) {
     r.parameters.iter().for_each(|x| number(*x, h));
     curve(&r.trim, h);
     curve(&r.edge, h);

@@ -5,7 +5,6 @@
 //! \[PW99\].
 
 mod boundary;
-mod carriers;
 mod cell;
 mod certificate;
 pub mod claim;
@@ -23,6 +22,7 @@ mod gap;
 pub(crate) mod joints;
 mod known;
 mod local;
+mod map_surface;
 mod mismatch;
 pub(crate) mod nearness;
 mod panel;

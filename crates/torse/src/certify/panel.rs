@@ -7,7 +7,7 @@
 //! one to the faces of the file. So is the bound of [`edges`](super::edges): a panel bounded by its edges in space
 //! instead of its trimming curves is as near.
 
-use super::boundary::{Boundary, RunBound, Side};
+use super::boundary::{Boundary, CoedgeBound, Side};
 use super::certificate::PanelParts;
 use super::developable::{developability, trim_boxes, Developability, ANGLE_LIMIT};
 use super::distance::{judge, DistanceOptions, Judged};
@@ -155,7 +155,7 @@ fn patch_bounds(
 
 /// What was shown about a panel's boundary.
 struct Edge {
-    runs: Vec<RunBound>,
+    runs: Vec<CoedgeBound>,
     /// Bound of the mismatch, mm, if there is one.
     delta: Option<f64>,
     curvature: f64,
@@ -174,7 +174,7 @@ fn boundary_bounds(
     reasons: &mut Vec<PanelFault>,
 ) -> Edge {
     let runs: Vec<_> = trim.loops.iter().flatten().collect();
-    let bounds: Vec<_> = runs.par_iter().map(|run| boundary.run_bound(run, &partition.vertices)).collect();
+    let bounds: Vec<_> = runs.par_iter().map(|run| boundary.coedge_bound(run, &partition.vertices)).collect();
     let mut edge = Edge { runs: Vec::with_capacity(bounds.len()), delta: Some(0.0), curvature: 0.0 };
     for b in bounds {
         match b {

@@ -119,7 +119,7 @@ impl<'a> Sides<'a> {
     }
 
     /// Whether a side may meet a box, see [`meets`].
-    pub fn meet(&self, box_: &[Interval; 2]) -> bool {
+    pub fn may_meet(&self, box_: &[Interval; 2]) -> bool {
         let rows = self.row(box_[1].lo)..=self.row(box_[1].hi);
         self.rows[rows].iter().flatten().any(|s| {
             let [p, q] = self.side(*s);
@@ -154,7 +154,7 @@ mod tests {
             assert_eq!(sides.winding(at), both.iter().map(|p| winding(p, at)).sum::<i32>(), "{at:?}");
         }
         let at = |x: f64, y: f64| [Interval::new(x, x + 0.1), Interval::new(y, y + 0.1)];
-        assert!(sides.meet(&at(0.45, 0.7)) && sides.meet(&at(-0.05, 1.9)) && !sides.meet(&at(0.6, 0.6)));
+        assert!(sides.may_meet(&at(0.45, 0.7)) && sides.may_meet(&at(-0.05, 1.9)) && !sides.may_meet(&at(0.6, 0.6)));
     }
 
     #[test]

@@ -151,7 +151,7 @@ impl RuledJets {
     }
 
     /// The curve `R(t(s), r(s))` with derivatives, `t` inside the domain; and how [`rough`] it is.
-    pub fn along(&self, t: Jet, r: Jet) -> (V3<Jet>, f64) {
+    pub fn along_curve(&self, t: Jet, r: Jet) -> (V3<Jet>, f64) {
         let (first, last) = (self.span(t.v.lo), self.span(t.v.hi));
         let piece = |i: usize| {
             let t = Jet { v: self.clip(i, t.v), ..t };

@@ -140,7 +140,7 @@ struct Distance {
 }
 
 /// What is known of a cell.
-struct Look {
+struct BoundedCell {
     /// Bound of the distance.
     bound: f64,
     /// Distance in the middle, from below.
@@ -191,28 +191,28 @@ impl<'a> Judge<'a> {
         while !open.is_empty() {
             out.cells += open.len();
             let last = out.cells >= MOST_CELLS || control.stopped();
-            let seen: Vec<(Cell, Option<Look>)> =
-                open.par_iter().map(|c| (*c, self.used(&c.box_).then(|| self.look(&c.box_)))).collect();
-            for (cell, look) in &seen {
-                if let Some(look) = look.as_ref().filter(|l| l.seen > out.farthest.1) {
-                    out.farthest = (self.image(middle(&cell.box_)), look.seen);
+            let seen: Vec<(Cell, Option<BoundedCell>)> =
+                open.par_iter().map(|c| (*c, self.used(&c.box_).then(|| self.bound_cell(&c.box_)))).collect();
+            for (cell, bounded) in &seen {
+                if let Some(bounded) = bounded.as_ref().filter(|l| l.seen > out.farthest.1) {
+                    out.farthest = (self.image(middle(&cell.box_)), bounded.seen);
                 }
             }
             let goal = out.farthest.1 * (1.0 + EXCESS.0) + EXCESS.1 * self.tolerance;
             open = Vec::new();
-            for (cell, look) in seen {
-                let Some(look) = look else { continue };
+            for (cell, bounded) in seen {
+                let Some(bounded) = bounded else { continue };
                 let small = (0..2).all(|d| cell.box_[d].width() <= fine[d]);
-                if look.sign != 0 && (look.bound <= goal || small || last) {
-                    if sign != 0 && sign != look.sign {
+                if bounded.sign != 0 && (bounded.bound <= goal || small || last) {
+                    if sign != 0 && sign != bounded.sign {
                         return Err(PanelFault::Folds(self.place(&cell)));
                     }
-                    sign = look.sign;
-                    out.bound = out.bound.max(look.bound);
+                    sign = bounded.sign;
+                    out.bound = out.bound.max(bounded.bound);
                 } else if last || cell.depth == DEPTH {
                     return Err(PanelFault::MayFold(self.place(&cell)));
                 } else {
-                    open.extend(self.halves(&cell, &look));
+                    open.extend(self.halves(&cell, &bounded));
                 }
             }
         }
@@ -268,7 +268,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn look(&self, cell: &[Interval; 2]) -> Look {
+    fn bound_cell(&self, cell: &[Interval; 2]) -> BoundedCell {
         let map = self.map.over(*cell);
         let face = self.face.over(map.p).affine();
         let patch = self.patch.over(*cell).affine();
@@ -284,11 +284,11 @@ impl<'a> Judge<'a> {
         let seen = if inside { length(&at.value).lo } else { 0.0 };
         // What is no number is no bound.
         let bound = if bound >= 0.0 { bound } else { f64::INFINITY };
-        Look { bound, seen, sign: det.sign(), share }
+        BoundedCell { bound, seen, sign: det.sign(), share }
     }
 
-    fn halves(&self, cell: &Cell, look: &Look) -> [Cell; 2] {
-        let d = usize::from(look.share[1] > look.share[0]);
+    fn halves(&self, cell: &Cell, bounded: &BoundedCell) -> [Cell; 2] {
+        let d = usize::from(bounded.share[1] > bounded.share[0]);
         let m = cell.box_[d].mid();
         [0, 1].map(|k: usize| {
             let mut box_ = cell.box_;

@@ -171,7 +171,7 @@ impl SeamSide<'_> {
             return None;
         }
         t.v = t.v.intersect(domain)?;
-        let (curve, rough) = self.jets.along(t, r);
+        let (curve, rough) = self.jets.along_curve(t, r);
         let last = theta[0].len() - 1;
         let at = |k: usize| Some(self.jets.at(theta[0][k].intersect(domain)?, theta[1][k]));
         Some(EdgePiece { ends: [at(0)?, at(last)?], curve, rough })

@@ -191,14 +191,14 @@ impl<'a, const N: usize> Tensor<'a, N> {
     fn pieces<const M: usize>(
         &self,
         [u, v]: [Interval; 2],
-        look: &dyn Fn(&Net<N>, &Part, &Part) -> Jet2<M>,
+        on_net: &dyn Fn(&Net<N>, &Part, &Part) -> Jet2<M>,
     ) -> Jet2<M> {
         let mut out: Option<Jet2<M>> = None;
         for i in self.u.pieces(u) {
             let a = self.u.part(i, u);
             for j in self.v.pieces(v) {
                 let b = self.v.part(j, v);
-                let found = look(&self.net(&a, &b), &a, &b);
+                let found = on_net(&self.net(&a, &b), &a, &b);
                 out = Some(out.map_or(found, |o| o.hull(&found)));
             }
         }

@@ -450,7 +450,7 @@ struct Cell {
 }
 
 /// What is known of a cell, mm.
-struct Look {
+struct Reach {
     /// Bound of the distance of its places from one site.
     bound: f64,
     /// Its middle, and how far about that is from the site.
@@ -461,10 +461,10 @@ struct Look {
 }
 
 impl Cell {
-    fn reach(&self, panel: &Panel, ruled: &Ruled, sites: &Sites) -> Look {
+    fn reach(&self, panel: &Panel, ruled: &Ruled, sites: &Sites) -> Reach {
         let middle = panel.strip.patch.point(self.t.mid(), self.r.mid());
         let Some(nearest) = sites.near(&middle) else {
-            return Look { bound: f64::INFINITY, middle, at_middle: 0.0, extents: [0.0; 2] };
+            return Reach { bound: f64::INFINITY, middle, at_middle: 0.0, extents: [0.0; 2] };
         };
         let site = sites.on(nearest, &middle).0;
         // The distance from a point or a triangle is convex: the greatest of the coefficients' own bounds that of every place.
@@ -489,7 +489,7 @@ impl Cell {
         }
         let [[a, b], [c, d]] = corners;
         let extents = [(c - a).norm().max((d - b).norm()), (b - a).norm().max((d - c).norm())];
-        Look { bound: most, middle, at_middle: (site - middle).norm(), extents }
+        Reach { bound: most, middle, at_middle: (site - middle).norm(), extents }
     }
 
     /// The cell about what of it is inside: that lies between sides, as far as they are in it, and corners that are inside.

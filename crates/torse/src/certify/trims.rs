@@ -359,12 +359,12 @@ fn elements(edge: &FileEdge) -> Option<Vec<Element<'_>>> {
 }
 
 /// A curve over a piece: derivatives by the share of the piece, and its ends; relative to a centre.
-struct Course {
+struct PieceJets {
     jets: V3<Jet>,
     ends: [V3<Interval>; 2],
 }
 
-impl Course {
+impl PieceJets {
     /// From Bernstein coefficients of homogeneous components.
     fn of(h: &[Vec<Interval>; 4], rational: bool) -> Self {
         let last = h[0].len() - 1;
@@ -394,7 +394,7 @@ fn local(knots: &Knots, span: usize) -> &[f64] {
     &knots.values()[span + 1 - p..=span + p]
 }
 
-fn on_curve(curve: &Curve<4>, span: usize, t: [f64; 2], centre: &Vec3) -> Course {
+fn on_curve(curve: &Curve<4>, span: usize, t: [f64; 2], centre: &Vec3) -> PieceJets {
     let p = curve.knots.degree();
     let control = &curve.control[span - p..=span];
     let h = [0, 1, 2, 3].map(|d: usize| {
@@ -402,11 +402,11 @@ fn on_curve(curve: &Curve<4>, span: usize, t: [f64; 2], centre: &Vec3) -> Course
         from_spline_over(&net, local(&curve.knots, span), t[0], t[1])
     });
     let rational = control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
-    Course::of(&h, rational)
+    PieceJets::of(&h, rational)
 }
 
 /// The image of a chord that crosses no knot line.
-fn on_chord(surface: &Surface, [a, b]: [[f64; 2]; 2], centre: &Vec3) -> Course {
+fn on_chord(surface: &Surface, [a, b]: [[f64; 2]; 2], centre: &Vec3) -> PieceJets {
     let (p, q, row) = (surface.knots_u.degree(), surface.knots_v.degree(), surface.row());
     let (su, sv) = (surface.knots_u.span(0.5 * (a[0] + b[0])), surface.knots_v.span(0.5 * (a[1] + b[1])));
     let (ku, kv) = (local(&surface.knots_u, su), local(&surface.knots_v, sv));
@@ -431,7 +431,7 @@ fn on_chord(surface: &Surface, [a, b]: [[f64; 2]; 2], centre: &Vec3) -> Course {
         }
         (0..=p + q).map(|k| out[k] * <Interval as Scalar>::ratio(1.0, binomial(p + q, k))).collect()
     });
-    Course::of(&h, surface.rational)
+    PieceJets::of(&h, surface.rational)
 }
 
 /// Point and derivative of a homogeneous curve.

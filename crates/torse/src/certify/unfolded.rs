@@ -1,10 +1,10 @@
-//! A part laid flat: its faces against the carriers that their maps are made for, its drawing and its inner edges
+//! A part laid flat: its faces against the surfaces that their maps are made for, its drawing and its inner edges
 //! against the images of edges under these maps.
 //!
 //! *Theorem.* Faces without a closed map are laid flat through a panel, see [`UnfoldedProof::through_panel`], or in strips
 //! between rulings, each a part of a circular cylinder or cone; both images of the ruling between two strips are then among
 //! the inner edges. So holds: Every face, or strip of one, and every edge that is drawn of it lies within
-//! `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
+//! `map_surface_distance` of the plane, cylinder or cone that its map lays flat. The maps
 //! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
 //! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
 //! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
@@ -15,10 +15,10 @@
 //! *Not shown*: that the contours name every edge of the file that bounds the part, and that parts of one edge follow each
 //! other; the developing code takes all of them in order.
 
-use super::carriers::{distance_from_carrier, distance_of_edge, distance_of_strip, Wedge, BESIDE};
 use super::claim::UpperBound;
 use super::flat::simple_outline::outline_is_simple;
 use super::flat::FlatCertificate;
+use super::map_surface::{distance_from_map_surface, distance_of_edge, distance_of_strip, Wedge, BESIDE};
 use super::strokes::{strain, strokes};
 use super::trims::trim_proof;
 use super::Certificate;
@@ -56,7 +56,7 @@ pub(crate) struct Unfolded<'a> {
 /// What is proven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UnfoldedProof {
-    carrier_distance: UpperBound,
+    map_surface_distance: UpperBound,
     drawing_distance: UpperBound,
     joint_gap: UpperBound,
     strain: UpperBound,
@@ -70,7 +70,7 @@ impl UnfoldedProof {
         let known = panel.certified && flat.holds();
         let bound = |d: f64| if known { UpperBound::shown(d) } else { UpperBound::UNKNOWN };
         Self {
-            carrier_distance: bound(panel.deviation_bound),
+            map_surface_distance: bound(panel.deviation_bound),
             drawing_distance: bound((flat.drawing_bound() + flat.change_bound()).next_up()),
             joint_gap: bound(flat.gap_bound()),
             strain: bound(flat.strain_bound()),
@@ -81,13 +81,13 @@ impl UnfoldedProof {
 
     /// Whether everything is shown, distances within a tolerance (mm).
     pub fn is_within(&self, tolerance: f64) -> bool {
-        let distances = [self.carrier_distance, self.drawing_distance, self.joint_gap];
+        let distances = [self.map_surface_distance, self.drawing_distance, self.joint_gap];
         distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN
     }
 
     /// Distance (mm) of faces and their edges from the surfaces that are laid flat.
-    pub fn carrier_distance(&self) -> UpperBound {
-        self.carrier_distance
+    pub fn map_surface_distance(&self) -> UpperBound {
+        self.map_surface_distance
     }
 
     /// Distance (mm) between contours and images.
@@ -117,13 +117,13 @@ const DEEPEST: f64 = 2.0;
 /// Rounding of radii and places in this floor's plain arithmetic, as a share.
 const ROUNDING: f64 = 1e-12;
 
-/// Distances of edges from carriers below this share of the tolerance are not told apart.
+/// Distances of edges from map surfaces below this share of the tolerance are not told apart.
 const EDGE_AIM: f64 = 0.01;
 
 /// Judges a part; `tolerance` (mm) says how fine is fine enough.
 pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let off = |face: usize| match &part.maps[face] {
-        Some(m) => match distance_from_carrier(&part.faces[face].surface, &part.bounds[face], m) {
+        Some(m) => match distance_from_map_surface(&part.faces[face].surface, &part.bounds[face], m) {
             (bound, true) => bound,
             // The file's trim may go beyond the polygons that were read of it, onto what was not looked at.
             (bound, false) => bound.plus(trim_proof(part.faces[face], EDGE_AIM * tolerance).bound()),
@@ -134,7 +134,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
         None => UpperBound::UNKNOWN,
     };
     let count = part.faces.len();
-    let carrier_distance = match [part.maps.len(), part.strips.len(), part.bounds.len()] == [count; 3] {
+    let map_surface_distance = match [part.maps.len(), part.strips.len(), part.bounds.len()] == [count; 3] {
         true => UpperBound::largest((0..count).into_par_iter().map(off).collect::<Vec<_>>()),
         false => UpperBound::UNKNOWN,
     };
@@ -144,7 +144,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let edges: Vec<&EdgeImage> = images().collect();
     let beside = |i: &&EdgeImage| distance_of_edge(&i.curve, i.part, &i.map, EDGE_AIM * tolerance);
     let beside = UpperBound::largest(edges.par_iter().map(beside).collect::<Vec<_>>());
-    let carrier_distance = carrier_distance.max(beside);
+    let map_surface_distance = map_surface_distance.max(beside);
     // Every image uses its face's map, or that of the strip it lies in, and all of a face lie in one place.
     let mut places: HashMap<usize, ([f64; 2], Vec2)> = HashMap::new();
     let known = images().all(|i| match part.maps.get(i.face) {
@@ -172,7 +172,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
         false => [f64::INFINITY; 2],
     };
     UnfoldedProof {
-        carrier_distance,
+        map_surface_distance,
         drawing_distance: bound(drawn, known && follows(part)),
         joint_gap: bound(gap, known),
         strain: bound(strained, known),

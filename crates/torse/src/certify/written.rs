@@ -157,7 +157,7 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
                     return Err(fault(Differs::VertexOff));
                 }
             }
-            if same_course(&run.trim, &edge.trim, forward) && same_course(&run.edge, &edge.curve, forward) {
+            if same_curve(&run.trim, &edge.trim, forward) && same_curve(&run.edge, &edge.curve, forward) {
                 continue;
             }
             let jets =
@@ -209,7 +209,7 @@ fn same_knots(a: &Knots, b: &Knots) -> bool {
 }
 
 /// Whether a written curve is the judged one, the other way round if it is not `forward`; knots exactly mirrored then.
-fn same_course<const D: usize>(own: &Curve<D>, written: &Curve<D>, forward: bool) -> bool {
+fn same_curve<const D: usize>(own: &Curve<D>, written: &Curve<D>, forward: bool) -> bool {
     if forward {
         return own == written;
     }
@@ -233,7 +233,7 @@ fn curves_moved(run: &Coedge, edge: &WrittenEdge, forward: bool, jets: &RuledJet
         let t = at[0].intersect(Interval { lo, hi })?;
         let speed = |dt: Interval, dr: Interval| {
             let jet = |v: Interval, d: Interval| Jet { v, d, dd: Interval::ZERO };
-            Interval::point(length_bound(&jets.along(jet(t, dt), jet(at[1], dr)).0.map(|x| x.d)))
+            Interval::point(length_bound(&jets.along_curve(jet(t, dt), jet(at[1], dr)).0.map(|x| x.d)))
         };
         let (one, none) = (Interval::ONE, Interval::ZERO);
         let far = speed(one, none) * Interval::point(off[0].mag()) + speed(none, one) * Interval::point(off[1].mag());

@@ -12,7 +12,7 @@ use super::written_strips::{affine, difference, ends_moved, misnamed, off_plane,
 use crate::geom::Vec3;
 use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
-use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenExact, WrittenSide};
+use crate::patchwork::written::{WrittenBase, WrittenCurve, WrittenExact, WrittenSide};
 use crate::reason::{Differs, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -85,9 +85,9 @@ impl<'a> Piece<'a> {
         if !(others.is_empty() || round) {
             return Err(here(Differs::Turns));
         }
-        let all = |carrier: &Carrier| worst(list.iter().map(|p| carrier.off(p).unwrap_or(f64::NAN)));
-        let own = all(&Carrier::of_round(&Round::of(&self.segment)));
-        let own = own.ok_or_else(|| here(Differs::OffCarrier))?;
+        let all = |revolved: &RevolvedSurface| worst(list.iter().map(|p| revolved.off(p).unwrap_or(f64::NAN)));
+        let own = all(&RevolvedSurface::of_round(&Round::of(&self.segment)));
+        let own = own.ok_or_else(|| here(Differs::OffOwnSurface))?;
         let (off, outwards) = match &face.surface {
             WrittenBase::Spline(_) => return Err(here(Differs::Spline)),
             WrittenBase::Plane { point, normal } => (
@@ -95,11 +95,11 @@ impl<'a> Piece<'a> {
                 dot(&unit(normal), &exact(&self.segment.start.normal)),
             ),
             WrittenBase::Cylinder { point, axis, radius } => {
-                let c = Carrier::new(point, axis, *radius, [Interval::ZERO, Interval::ONE]);
+                let c = RevolvedSurface::new(point, axis, *radius, [Interval::ZERO, Interval::ONE]);
                 (all(&c), c.outwards(&self.segment))
             }
             WrittenBase::Cone { point, axis, radius, half_angle } => {
-                let c = Carrier::new(point, axis, *radius, sine_and_cosine(*half_angle));
+                let c = RevolvedSurface::new(point, axis, *radius, sine_and_cosine(*half_angle));
                 (all(&c), c.outwards(&self.segment))
             }
         };
@@ -154,17 +154,17 @@ fn whole_moved(list: &[Surface], face: &WrittenExact) -> Result<f64, Fault> {
             return Err(fault(Differs::EdgeSense));
         }
         follows(sides, k)?;
-        let off = match (&side.course, &curves[..]) {
-            (WrittenCourse::Circle { centre, axis, radius }, _) => {
+        let off = match (&side.curve, &curves[..]) {
+            (WrittenCurve::Circle { centre, axis, radius }, _) => {
                 let arcs = curves.iter().map(|c| off_circle(c, centre, axis, *radius).unwrap_or(f64::NAN));
                 whole_ends(curves).and_then(|c| ends_moved(&c, side)).zip(worst(arcs)).map(|(a, b)| a.max(b))
             }
             // Edges of planes may be lines where the patch has three control points in a row.
-            (WrittenCourse::Line { .. }, [curve]) => {
+            (WrittenCurve::Line { .. }, [curve]) => {
                 let chord = ends_of(curve).and_then(|line| side_moved(&line, side));
                 chord.zip(off_chord(curve)).map(|(a, b)| a.max(b))
             }
-            (WrittenCourse::Spline { .. }, [curve]) => side_moved(curve, side),
+            (WrittenCurve::Spline { .. }, [curve]) => side_moved(curve, side),
             _ => None,
         };
         moved = moved.max(off.ok_or_else(|| fault(Differs::Edge))?);
@@ -199,13 +199,13 @@ fn trimmed_moved(part: &ConePart, piece: usize, face: &WrittenExact) -> Result<f
             if side.vertices != own.map(<[f64; 3]>::from) {
                 return Err(fault(Differs::Vertex));
             }
-            match (&edge.curve, &side.course) {
-                (PartCurve::Ruling, WrittenCourse::Line { .. }) => {
+            match (&edge.curve, &side.curve) {
+                (PartCurve::Ruling, WrittenCurve::Line { .. }) => {
                     let line = line(own.map(|p| [p.x, p.y, p.z, 1.0]));
                     let off = line.and_then(|line| side_moved(&line, side));
                     moved = moved.max(off.ok_or_else(|| fault(Differs::Edge))?);
                 }
-                (PartCurve::Free { space, .. }, WrittenCourse::Spline { curve, weights }) => {
+                (PartCurve::Free { space, .. }, WrittenCurve::Spline { curve, weights }) => {
                     if !weights.is_empty() || curve != space {
                         return Err(fault(Differs::Edge));
                     }
@@ -246,14 +246,14 @@ fn off_chord(c: &Curve<4>) -> Option<f64> {
 
 /// Bound of the distance of an arc from the circle about an axis; `None` if it does not run counter-clockwise about it.
 fn off_circle(own: &Curve<4>, centre: &[f64; 3], axis: &[f64; 3], radius: f64) -> Option<f64> {
-    let carrier = Carrier::new(centre, axis, radius, [Interval::ZERO, Interval::ONE]);
+    let revolved = RevolvedSurface::new(centre, axis, radius, [Interval::ZERO, Interval::ONE]);
     let out: Vec<V3<Interval>> = own.control.iter().map(|c| difference(&affine(c), centre)).collect();
-    let turns = |w: &[V3<Interval>]| dot(&carrier.axis, &cross(&w[0], &w[1])).sign() > 0;
+    let turns = |w: &[V3<Interval>]| dot(&revolved.axis, &cross(&w[0], &w[1])).sign() > 0;
     if own.control.len() != 3 || own.knots.degree() != 2 || !out.windows(2).all(turns) {
         return None;
     }
-    let above = worst(out.iter().map(|p| dot(&carrier.axis, p).mag()))?;
-    let beside = carrier.off_net(&own.control, (2, 0))?;
+    let above = worst(out.iter().map(|p| dot(&revolved.axis, p).mag()))?;
+    let beside = revolved.off_net(&own.control, (2, 0))?;
     let (above, beside) = (Interval::point(above), Interval::point(beside));
     Some((above.sqr() + beside.sqr()).sqrt().hi)
 }
@@ -316,7 +316,7 @@ fn towards_tip(seen: Vec<Seen>, q: usize) -> Vec<Vec<Seen>> {
 }
 
 /// A surface of revolution: `tilt ρ = rise z + tilt R`, z and ρ along and from the axis through a point.
-struct Carrier {
+struct RevolvedSurface {
     point: [f64; 3],
     axis: V3<Interval>,
     radius: f64,
@@ -324,7 +324,7 @@ struct Carrier {
     tilt: Interval,
 }
 
-impl Carrier {
+impl RevolvedSurface {
     fn new(point: &[f64; 3], axis: &[f64; 3], radius: f64, [rise, tilt]: [Interval; 2]) -> Self {
         Self { point: *point, axis: unit(axis), radius, rise, tilt }
     }
@@ -364,7 +364,7 @@ impl Carrier {
         worst(towards_tip(seen, q).iter().map(|piece| self.off_piece(piece, (p, q)).unwrap_or(f64::NAN)))
     }
 
-    /// As [`Carrier::off_net`], of a net over which L does not change by much.
+    /// As [`RevolvedSurface::off_net`], of a net over which L does not change by much.
     fn off_piece(&self, seen: &[Seen], (p, q): (usize, usize)) -> Option<f64> {
         let least = Interval::point(seen.iter().map(|s| s.weight.lo).fold(f64::INFINITY, f64::min));
         let floor = seen.iter().map(|s| (s.form / s.weight).lo).fold(f64::INFINITY, f64::min);
@@ -428,12 +428,12 @@ mod tests {
         ] {
             let s = segment(shape);
             let list = patches(&s).expect("patches");
-            let own = Carrier::of_round(&Round::of(&s));
+            let own = RevolvedSurface::of_round(&Round::of(&s));
             let off = own.off(&list[0]).expect("a bound");
             assert!(off < 1e-11, "{shape:?} {off:e}");
             // Wider by a tenth: the greatest distance is that of the radius, times the cosine of the half angle.
             if !s.shape.is_plane() {
-                let wide = Carrier { radius: own.radius + 0.1, ..own };
+                let wide = RevolvedSurface { radius: own.radius + 0.1, ..own };
                 let (off, least) = (wide.off(&list[0]).expect("a bound"), 0.1 * wide.tilt.lo);
                 assert!(off >= least && off < 2.2 * least, "{shape:?} {off} {least}");
             }
@@ -446,7 +446,7 @@ mod tests {
             let s = segment(Shape::Cone { distance: 300.0, cos_gamma: 0.8, sin_gamma: 0.6, angle: 0.7 });
             let s = Segment { edges: [[300.0 * (beside - 1.0); 3], [30.0; 3]], ..s };
             let list = patches(&s).expect("patches");
-            let own = Carrier::of_round(&Round::of(&s));
+            let own = RevolvedSurface::of_round(&Round::of(&s));
             let off = own.off(&list[0]).expect("a bound");
             assert!(off < 1e-10, "{beside} {off:e}");
         }
@@ -456,10 +456,10 @@ mod tests {
     fn angles_that_are_none_show_nothing() {
         let list = patches(&segment(Shape::Cylinder { radius: 40.0, angle: -0.9 })).expect("patches");
         for angle in [f64::NAN, -0.1, 2.0] {
-            let c = Carrier::new(&[0.0; 3], &[0.0, 0.0, 1.0], 10.0, sine_and_cosine(angle));
+            let c = RevolvedSurface::new(&[0.0; 3], &[0.0, 0.0, 1.0], 10.0, sine_and_cosine(angle));
             assert_eq!(c.off(&list[0]), None);
         }
-        let nowhere = Carrier::new(&[0.0; 3], &[0.0; 3], 10.0, sine_and_cosine(0.3));
+        let nowhere = RevolvedSurface::new(&[0.0; 3], &[0.0; 3], 10.0, sine_and_cosine(0.3));
         assert_eq!(nowhere.off(&list[0]), None);
     }
 }

@@ -8,7 +8,7 @@
 use super::vector::{cross, dot, length, length_bound, V3};
 use super::written::{recorded, surface_moved, Fault, WrittenCertificate};
 use crate::num::interval::Interval;
-use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenSide, WrittenStrip};
+use crate::patchwork::written::{WrittenBase, WrittenCurve, WrittenSide, WrittenStrip};
 use crate::reason::{Differs, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
@@ -105,8 +105,8 @@ pub(super) fn ends_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
 pub(super) fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
     let (first, last) = (affine(own.control.first()?), affine(own.control.last()?));
     let ends = ends_moved(own, side)?;
-    let course = match &side.course {
-        WrittenCourse::Line { point, direction } => {
+    let curve = match &side.curve {
+        WrittenCurve::Line { point, direction } => {
             // The edge is the stretch of the line between its vertices; the side must be straight.
             let straight = own.control.len() == 2;
             let d = direction.map(Interval::point);
@@ -114,8 +114,8 @@ pub(super) fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
             let off = |p: &V3<Interval>| (length(&cross(&difference(p, point), &d)) / size).hi;
             (straight && size.lo > 0.0 && size.is_finite()).then(|| worst([off(&first), off(&last)]))??
         }
-        WrittenCourse::Circle { .. } => return None,
-        WrittenCourse::Spline { curve, weights } => {
+        WrittenCurve::Circle { .. } => return None,
+        WrittenCurve::Spline { curve, weights } => {
             let rational = own.control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
             let same_weights = match weights.len() {
                 0 => !rational,
@@ -128,7 +128,7 @@ pub(super) fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
             whole.then(|| worst(far))??
         }
     };
-    worst([ends, course])
+    worst([ends, curve])
 }
 
 pub(super) fn affine(c: &[f64; 4]) -> V3<Interval> {

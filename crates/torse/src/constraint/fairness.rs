@@ -14,7 +14,7 @@ pub fn greville(knots: &Knots) -> Vec<f64> {
 }
 
 /// Differences of order `order` of control points over their abscissae. Points whose abscissae coincide have none.
-pub fn along(abscissae: &[f64], points: &[u32], order: usize) -> Vec<Stencil> {
+pub fn differences(abscissae: &[f64], points: &[u32], order: usize) -> Vec<Stencil> {
     let n = abscissae.len().min(points.len());
     if n <= order || order == 0 {
         return Vec::new();
@@ -48,10 +48,10 @@ mod tests {
 
     #[test]
     fn even_spacing_gives_binomials() {
-        let rows = along(&[0.0, 1.0, 2.0, 3.0], &[0, 3, 6, 9], 2);
+        let rows = differences(&[0.0, 1.0, 2.0, 3.0], &[0, 3, 6, 9], 2);
         assert_eq!(rows, [Stencil(vec![(0, 1.0), (3, -2.0), (6, 1.0)]), Stencil(vec![(3, 1.0), (6, -2.0), (9, 1.0)])]);
         assert_eq!(
-            along(&[0.0, 1.0, 2.0, 3.0], &[0, 3, 6, 9], 3)[0].0.iter().map(|t| t.1).collect::<Vec<_>>(),
+            differences(&[0.0, 1.0, 2.0, 3.0], &[0, 3, 6, 9], 3)[0].0.iter().map(|t| t.1).collect::<Vec<_>>(),
             [-1.0, 3.0, -3.0, 1.0]
         );
     }
@@ -62,10 +62,10 @@ mod tests {
         let g = greville(&knots);
         let points: Vec<u32> = (0..7).map(|i| 3 * i).collect();
         let x: Vec<f64> = g.iter().flat_map(|t| [*t, 1.0 - 2.0 * t, t * t]).collect();
-        for s in along(&g, &points, 3) {
+        for s in differences(&g, &points, 3) {
             assert!(s.value(&x).norm() < 1e-12);
         }
-        for s in along(&g, &points, 2) {
+        for s in differences(&g, &points, 2) {
             let v = s.value(&x);
             assert!(v.xy().norm() < 1e-13 && v.z > 0.0);
         }

@@ -113,7 +113,7 @@ pub struct Osculating {
 const CYLINDER: f64 = 1e-6;
 /// Relative size of the vector N of the join below which its two roots are rounding.
 const NO_JOIN: f64 = 1e-10;
-/// A candidate whose end misses the second carrier by more (rad, share of the distance) is no join: roots are exact to
+/// A candidate whose end misses the second cone by more (rad, share of the distance) is no join: roots are exact to
 /// rounding over the fourth power of the spacing, and this is far beyond that.
 const NOT_SMOOTH: f64 = 1e-8;
 
@@ -155,16 +155,16 @@ impl Osculating {
 /// A cone between two osculating ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Join {
-    /// Turn on the first carrier from its element to the filler, rad, signed about its axis.
+    /// Turn on the first cone from its element to the filler, rad, signed about its axis.
     pub first_angle: f64,
-    /// Turn on the second carrier from the filler to its element, rad, signed about its axis.
+    /// Turn on the second cone from the filler to its element, rad, signed about its axis.
     pub second_angle: f64,
-    /// The cone in between: from a ruling of the first carrier to one of the second.
+    /// The cone in between: from a ruling of the first cone to one of the second.
     pub filler: Segment,
 }
 
 impl Join {
-    /// Pieces of the first carrier, of the filler, and of the second carrier up to its element.
+    /// Pieces of the first cone, of the filler, and of the second cone up to its element.
     fn segments(&self, first: &Osculating, second: &Osculating) -> [Segment; 3] {
         let lead = first.piece(self.first_angle);
         let tail = second.piece(-self.second_angle);
@@ -282,8 +282,8 @@ fn through(first: &Osculating, second: &Osculating, f: f64) -> Option<Join> {
     found.min_by(|a, b| a.1.total_cmp(&b.1)).and_then(smooth)
 }
 
-/// The cone between a ruling of the first carrier and the ruling of the second after the turn `turn`.
-/// With it, how far its last ruling and tangent plane are from those of the second carrier.
+/// The cone between a ruling of the first cone and the ruling of the second after the turn `turn`.
+/// With it, how far its last ruling and tangent plane are from those of the second cone.
 fn filler(first_angle: f64, at: &G1Element, second: &Osculating, turn: f64) -> Option<(Join, f64)> {
     let to = second.piece(turn).end();
     // Where the lines meet.
@@ -390,7 +390,7 @@ fn edged(mut s: [Segment; 3], first: [f64; 2], last: [f64; 2]) -> Result<[Segmen
     }
 }
 
-/// Two pieces of the same carrier as one.
+/// Two pieces of the same cone as one.
 fn merged(a: &Segment, b: &Segment) -> Segment {
     let total = a.shape.angle() + b.shape.angle();
     let shape = match a.shape {

@@ -1,7 +1,7 @@
 //! How the sheet of a chain of cones bends: lines about which it turns by equal angles, drawn inside the outline, with their
 //! radii. Where one piece passes into the next nothing bends more than elsewhere.
 
-use super::bends::{self, BendSpacing, Course, Line, Plane, Ruling};
+use super::bends::{self, BendSpacing, Line, Plane, Ruling, TurnProfile};
 use super::cones::develop;
 use super::shop::roll::outlines;
 use super::shop::sections::clipped;
@@ -27,7 +27,7 @@ pub(crate) fn draw_bends(pattern: &mut Pattern, spline: &ConeSpline, part: Optio
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let whole = flats.len().checked_sub(1).map(|last| [(0, 0.0), (last, 1.0)]);
     let Some([first, last]) = part.map_or(whole, range) else { return };
-    let mut course: Course<ChainPlace> = Course::new();
+    let mut profile: TurnProfile<ChainPlace> = TurnProfile::new();
     let mut before: Option<Plane> = None;
     for k in first.0..=last.0 {
         let Some(segment) = spline.segments.get(k) else { continue };
@@ -38,15 +38,15 @@ pub(crate) fn draw_bends(pattern: &mut Pattern, spline: &ConeSpline, part: Optio
             let (plane, step) = (plane(segment, at(i)), i.saturating_sub(1));
             let length = segment.point(at(i), middle(at(i))) - segment.point(at(step), middle(at(step)));
             let turn = before.map_or(0.0, |b| b.turn(&plane));
-            course.push((k, at(i)), (turn, None), length.dot(&plane.across).abs());
+            profile.push((k, at(i)), (turn, None), length.dot(&plane.across).abs());
             before = Some(plane);
         }
     }
-    if course.len() < 2 {
+    if profile.len() < 2 {
         return;
     }
     let place = |line: &Line| {
-        let [(j, a), (k, b)] = course.around(line.after)?;
+        let [(j, a), (k, b)] = profile.around(line.after)?;
         // A segment begins where the one before ends.
         let a = if j == k { a } else { 0.0 };
         Some((k, a + (b - a) * line.share))
@@ -69,7 +69,7 @@ pub(crate) fn draw_bends(pattern: &mut Pattern, spline: &ConeSpline, part: Optio
     let inset = pattern.contour_error.max(0.0);
     let draw = |asked: &BendSpacing| {
         let (mut rulings, mut bent) = (Vec::new(), Vec::new());
-        for line in bends::dense(&course, course.lines(asked, pattern.length), asked, pattern.length, &exact) {
+        for line in bends::dense(&profile, profile.lines(asked, pattern.length), asked, pattern.length, &exact) {
             let Some(ruling) = exact(&line, false) else { continue };
             let [a, b] = ruling.flat;
             for piece in clipped(&[a, b], &loops) {

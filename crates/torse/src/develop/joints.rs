@@ -2,7 +2,7 @@
 
 use super::arcs::PlaneCurve;
 use super::map::Development;
-use super::outline::FlatRun;
+use super::outline::FlatCoedge;
 use super::pattern::{developed, MARK_SPACING};
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::joint::{joints, JointSide};
@@ -80,7 +80,7 @@ fn map(patchwork: &Patchwork, panel: usize) -> Option<(Development, bool)> {
     let (development, _) = developed(patchwork, p).ok()?;
     let runs = p.loops().iter().flatten().filter(|r| !r.is_point());
     let origin = Vec2::zeros();
-    let area: f64 = runs.map(|r| FlatRun::new(&development, &p.strip.patch, r).flat_area(&origin)).sum();
+    let area: f64 = runs.map(|r| FlatCoedge::new(&development, &p.strip.patch, r).flat_area(&origin)).sum();
     Some((development, area < 0.0))
 }
 
@@ -91,7 +91,7 @@ fn mark(
     (development, mirrored): (&Development, bool),
     label: &str,
 ) -> Option<Mark> {
-    let run = FlatRun::new(development, &patchwork.panels[side.panel].strip.patch, side.run);
+    let run = FlatCoedge::new(development, &patchwork.panels[side.panel].strip.patch, side.run);
     let t = if mirrored { -run.velocity(s) } else { run.velocity(s) };
     let inward = Vec2::new(-t.y, t.x).try_normalize(0.0)?;
     Some(Mark { point: run.place(s), inward, label: label.to_owned(), on: MarkPlace::Joint, apart: 0.0 })

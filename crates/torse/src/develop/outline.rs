@@ -11,7 +11,7 @@ use crate::spline::composite::smooth_breaks;
 use crate::spline::surface::Surface;
 
 /// One run in the plane.
-pub(crate) struct FlatRun<'a> {
+pub(crate) struct FlatCoedge<'a> {
     development: &'a Development,
     /// The run in space.
     pub run: &'a Coedge,
@@ -19,7 +19,7 @@ pub(crate) struct FlatRun<'a> {
     pub breaks: Vec<f64>,
 }
 
-impl PlaneCurve for FlatRun<'_> {
+impl PlaneCurve for FlatCoedge<'_> {
     fn place(&self, s: f64) -> Vec2 {
         let q = self.parameters(s);
         self.development.map(q[0], q[1])
@@ -40,7 +40,7 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-impl<'a> FlatRun<'a> {
+impl<'a> FlatCoedge<'a> {
     /// A run of a panel on the panel's patch.
     pub fn new(development: &'a Development, patch: &Surface, run: &'a Coedge) -> Self {
         Self { development, run, breaks: smooth_breaks(patch, &run.trim) }

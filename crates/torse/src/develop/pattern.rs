@@ -4,9 +4,9 @@
 //! 3.1 (closed contours, arcs instead of many points, seams marked on both neighbours at equal places).
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, BendSpacing, Course, Line, Plane, Ruling};
+use super::bends::{self, BendSpacing, Line, Plane, Ruling, TurnProfile};
 use super::map::Development;
-use super::outline::{outside, FlatRun};
+use super::outline::{outside, FlatCoedge};
 use super::overlap::{overlap, OutlinePoint};
 use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
@@ -67,10 +67,10 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         face.surface.point(u, v)
     };
     let (development, side) = developed(patchwork, p)?;
-    let loops: Vec<Vec<FlatRun>> = p
+    let loops: Vec<Vec<FlatCoedge>> = p
         .loops()
         .iter()
-        .map(|l| l.iter().filter(|r| !r.is_point()).map(|r| FlatRun::new(&development, &p.strip.patch, r)).collect())
+        .map(|l| l.iter().filter(|r| !r.is_point()).map(|r| FlatCoedge::new(&development, &p.strip.patch, r)).collect())
         .collect();
     let outer = loops.first().filter(|l| !l.is_empty()).ok_or(missing)?;
     // 2. Samples of the outline: measures, overlap.
@@ -267,7 +267,7 @@ fn bend_lines(
     ends.push(t1);
     let parts = PLACES.0.max(PLACES.1.div_ceil(ends.len()));
     let patch = &panel.strip.patch;
-    let mut course = Course::new();
+    let mut profile = TurnProfile::new();
     let mut before: Option<(f64, Plane, Vec3)> = None;
     for w in ends.windows(2) {
         for k in usize::from(before.is_some())..=parts {
@@ -278,15 +278,15 @@ fn bend_lines(
                 let turn = bends::turn_between(patch, [s, t], side, p.turn(&plane));
                 (turn, (x - y).dot(&plane.across).abs())
             });
-            course.push(t, turn, length);
+            profile.push(t, turn, length);
             before = Some((t, plane, x));
         }
     }
-    let place = |line: &Line| course.around(line.after).map(|[a, b]| a + (b - a) * line.share);
+    let place = |line: &Line| profile.around(line.after).map(|[a, b]| a + (b - a) * line.share);
     let exact = |line: &Line, _| ruling(development, patch, place(line)?, side);
     let draw = |asked: &BendSpacing| {
         let (mut rulings, mut bent) = (Vec::new(), Vec::new());
-        for line in bends::dense(&course, course.lines(asked, spacing.1), asked, spacing.1, &exact) {
+        for line in bends::dense(&profile, profile.lines(asked, spacing.1), asked, spacing.1, &exact) {
             let Some(t) = place(&line) else { continue };
             for (r0, r1) in clipped.at(t) {
                 let (a, b) = (development.map(t, r0), development.map(t, r1));

@@ -4,7 +4,7 @@
 //! before. Outline as lines and arcs, rulings, marks at equal lengths along both rails.
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, Course, Line, Plane, Ruling};
+use super::bends::{self, Line, Plane, Ruling, TurnProfile};
 use super::map::Development;
 use super::overlap::{overlap, OutlinePoint};
 use super::view::Drawn;
@@ -329,42 +329,47 @@ fn at_length(stations: &[(usize, f64, f64)], length: f64) -> (usize, f64) {
 /// Rulings along the middle as the options ask for, and those between the strips, shortened by `inset` at both ends, with
 /// how the sheet bends about each; `size` is the length of the pattern.
 fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
-    let (course, joints) = course(laid, options.side);
+    let (profile, joints) = profile(laid, options.side);
     if options.drawn.bends.facets.is_some() {
         return bends::kept_low(&options.drawn.bends, |asked| {
-            let lines = course.lines(asked, size).into_iter().map(|l| (l, true));
-            drawn_lines(laid, &course, lines, inset)
+            let lines = profile.lines(asked, size).into_iter().map(|l| (l, true));
+            drawn_lines(laid, &profile, lines, inset)
         });
     }
     let spacing = &options.drawn.bends;
-    let total = course.length();
+    let total = profile.length();
     let mut lines: Vec<Line> = match options.ruling_spacing.filter(|s| *s > 0.0) {
         Some(spacing) => {
             let step = spacing.max(total / MOST);
             let lengths = (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * BEFORE_END && step > 0.0);
-            course.lines_at(&lengths.collect::<Vec<_>>(), size)
+            profile.lines_at(&lengths.collect::<Vec<_>>(), size)
         }
-        None => course.lines(spacing, size),
+        None => profile.lines(spacing, size),
     };
     // Lines beside a joint are left out; the joint itself is drawn.
     let near = 0.5 * spacing.least * size;
-    let joined: Vec<Line> = joints.iter().map(|step| course.within(*step)).collect();
-    let apart = |a: &Line, b: &Line| (course.length_at(a) - course.length_at(b)).abs() > near;
+    let joined: Vec<Line> = joints.iter().map(|step| profile.within(*step)).collect();
+    let apart = |a: &Line, b: &Line| (profile.length_at(a) - profile.length_at(b)).abs() > near;
     lines.retain(|l| joined.iter().all(|j| apart(l, j)));
     lines.extend(&joined);
     lines.sort_by(|a, b| a.place().total_cmp(&b.place()));
-    lines = course.parted(lines, size);
+    lines = profile.parted(lines, size);
     if options.ruling_spacing.is_none() {
-        let exact = |line: &Line, behind| exact(laid, &course, line, (behind, options.side));
-        lines = bends::dense(&course, lines, spacing, size, &exact);
+        let exact = |line: &Line, behind| exact(laid, &profile, line, (behind, options.side));
+        lines = bends::dense(&profile, lines, spacing, size, &exact);
     }
     let in_planes: Vec<bool> = lines.iter().map(|l| joints.contains(&l.after)).collect();
-    drawn_lines(laid, &course, lines.into_iter().zip(in_planes), inset)
+    drawn_lines(laid, &profile, lines.into_iter().zip(in_planes), inset)
 }
 
 /// The ruling of a line, in the plane and in space; of a joint, on the strip behind it or before it.
-fn exact(laid: &[Laid], course: &Course<(usize, f64)>, line: &Line, (behind, side): (bool, f64)) -> Option<Ruling> {
-    let [(k, a), (m, b)] = course.around(line.after)?;
+fn exact(
+    laid: &[Laid],
+    profile: &TurnProfile<(usize, f64)>,
+    line: &Line,
+    (behind, side): (bool, f64),
+) -> Option<Ruling> {
+    let [(k, a), (m, b)] = profile.around(line.after)?;
     let (k, u) = match (k == m, behind) {
         (true, _) => (k, a + (b - a) * line.share),
         (false, true) => (m, b),
@@ -381,13 +386,13 @@ fn exact(laid: &[Laid], course: &Course<(usize, f64)>, line: &Line, (behind, sid
 /// are to be drawn there too.
 fn drawn_lines(
     laid: &[Laid],
-    course: &Course<(usize, f64)>,
+    profile: &TurnProfile<(usize, f64)>,
     lines: impl Iterator<Item = (Line, bool)>,
     inset: f64,
 ) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let mut out = (Vec::new(), Vec::new());
     for (line, in_planes) in lines {
-        let Some([(k, a), (m, b)]) = course.around(line.after) else { continue };
+        let Some([(k, a), (m, b)]) = profile.around(line.after) else { continue };
         let [before, (k, u)] = if k == m { [(k, a + (b - a) * line.share); 2] } else { [(k, a), (m, b)] };
         if laid[k].strip.kind == PanelKind::Plane && !in_planes {
             continue;
@@ -408,8 +413,8 @@ fn drawn_lines(
 }
 
 /// The tangent planes along the middle of the chain, and the steps from strip to strip.
-fn course(laid: &[Laid], side: f64) -> (Course<(usize, f64)>, Vec<usize>) {
-    let mut course = Course::new();
+fn profile(laid: &[Laid], side: f64) -> (TurnProfile<(usize, f64)>, Vec<usize>) {
+    let mut profile = TurnProfile::new();
     let mut joints = Vec::new();
     let mut before: Option<(Plane, Vec2, (usize, f64))> = None;
     for (k, u, _) in stations(laid, 0.5) {
@@ -422,12 +427,12 @@ fn course(laid: &[Laid], side: f64) -> (Course<(usize, f64)>, Vec<usize>) {
             (turn, (x - y).norm())
         });
         if before.is_some_and(|(_, _, (j, _))| j != k) {
-            joints.push(course.len() - 1);
+            joints.push(profile.len() - 1);
         }
-        course.push((k, u), turn, length);
+        profile.push((k, u), turn, length);
         before = Some((plane, x, (k, u)));
     }
-    (course, joints)
+    (profile, joints)
 }
 
 /// Marks at equal lengths along both rails.

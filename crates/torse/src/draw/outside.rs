@@ -1,4 +1,4 @@
-//! Names of narrow parts in drawings: on the sheet beside the part, with a line to it, clear of all cuts and of each other.
+//! Names of narrow parts in drawings: on the drawing beside the part, with a line to it, clear of all cuts and of each other.
 //!
 //! Places are tried as those of all letters of drawings are, see [`super::labels`]: from points of the outline outwards, the
 //! nearest first, and the first free one is taken.
@@ -41,12 +41,12 @@ pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Opt
     let extents: Vec<[Vec2; 2]> = outlines.iter().map(|o| extent(o)).collect();
     let longest = extents.iter().map(|[low, high]| (high - low).max()).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let height = (HEIGHT_SHARE * longest).clamp(HEIGHT.0, HEIGHT.1);
-    let mut sheet = Sheet { outlines, extents, taken: Vec::new(), height, longest };
-    unnamed.iter().map(|u| sheet.put(u)).collect()
+    let mut drawing = NamedDrawing { outlines, extents, taken: Vec::new(), height, longest };
+    unnamed.iter().map(|u| drawing.put(u)).collect()
 }
 
 /// The drawing so far.
-struct Sheet<'a> {
+struct NamedDrawing<'a> {
     outlines: &'a [Vec<Vec<Vec2>>],
     extents: Vec<[Vec2; 2]>,
     /// Names put so far, with the lines to them: sides of what later ones keep off.
@@ -55,7 +55,7 @@ struct Sheet<'a> {
     longest: f64,
 }
 
-impl Sheet<'_> {
+impl NamedDrawing<'_> {
     fn put(&mut self, unnamed: &Unnamed) -> Option<Vec<Vec<Vec2>>> {
         // All lines, else the name alone.
         (0..2).find_map(|k| self.put_block(unnamed.part, if k == 0 { &unnamed.lines } else { &unnamed.lines[..1] }))

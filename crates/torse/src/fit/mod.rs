@@ -3,8 +3,8 @@
 pub mod cloud;
 pub mod elements;
 pub(crate) mod height;
-pub mod level;
 pub mod near;
 pub mod panels;
 pub mod planes;
 pub mod ruled;
+pub mod strip_potential;

@@ -6,7 +6,7 @@ use super::html::{self, HtmlError, Page};
 use super::json::{JsonError, Report};
 use super::pictures::Pictures;
 use super::png::{self, PngError};
-use super::step::write::{self as step, Header, Sheet};
+use super::step::write::{self as step, Header, Shell};
 use super::{bend_table, bends, dxf, iges, marks, parts, shop_tables, svg, threedm};
 use crate::answer::cone_panels;
 use crate::answer::presentation::Presentation;
@@ -219,15 +219,15 @@ pub fn exact(
     time: &str,
 ) -> Result<File, BundleError> {
     let header = Header { name: titled(name, marked), time: time.to_owned(), uncertainty: LEAST_UNCERTAINTY };
-    let bodies: Vec<Sheet> = bodies
+    let bodies: Vec<Shell> = bodies
         .iter()
         .map(|b| match &b.part {
-            Some(part) => Sheet::of_cone_part(&b.name, part),
-            None => Sheet::of_cones(&b.name, &b.spline),
+            Some(part) => Shell::of_cone_part(&b.name, part),
+            None => Shell::of_cones(&b.name, &b.spline),
         })
         .map(|s| if marked { s.marked() } else { s })
         .collect();
-    text(file, |b| step::sheets(b, &header, &bodies))
+    text(file, |b| step::shells(b, &header, &bodies))
 }
 
 /// A file that is written line by line.

@@ -44,13 +44,13 @@ const SCALE: &str = "scale-check";
 /// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
 pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
     let (left, top) = (drawing.min.x - MARGIN, drawing.max.y + MARGIN);
-    let mut sheet = Sheet { text: String::new(), left, top, finite: true, unit: drawing.unit };
+    let mut document = Document { text: String::new(), left, top, finite: true, unit: drawing.unit };
     let size = drawing.max - drawing.min + Vec2::repeat(2.0 * MARGIN);
-    let (width, height) = (sheet.number(size.x), sheet.number(size.y));
-    let (unit, hairline) = (drawing.unit.sign(), sheet.number(HAIRLINE));
+    let (width, height) = (document.number(size.x), document.number(size.y));
+    let (unit, hairline) = (drawing.unit.sign(), document.number(HAIRLINE));
     // Writing to a string cannot fail.
     _ = write!(
-        sheet.text,
+        document.text,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" \
          width=\"{width}{unit}\" height=\"{height}{unit}\" viewBox=\"0 0 {width} {height}\" \
@@ -58,29 +58,29 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
          <style>@media screen {{ path {{ stroke-width: 1px; vector-effect: non-scaling-stroke }} }}</style>\n"
     );
     for (i, piece) in drawing.pieces.iter().enumerate() {
-        sheet.piece(i, piece);
+        document.piece(i, piece);
     }
     if let Some(square) = &drawing.test_square {
         _ = writeln!(
-            sheet.text,
+            document.text,
             "<g class=\"{SCALE}\" inkscape:groupmode=\"layer\" inkscape:label=\"{SCALE}\" stroke=\"#808080\">"
         );
         let [a, b, c, d] = square.corners;
         for line in std::iter::once(&[a, b, c, d, a][..]).chain(square.text.iter().map(Vec::as_slice)) {
-            let path = sheet.open(line);
-            _ = writeln!(sheet.text, "<path d=\"{path}\"/>");
+            let path = document.open(line);
+            _ = writeln!(document.text, "<path d=\"{path}\"/>");
         }
-        sheet.text.push_str("</g>\n");
+        document.text.push_str("</g>\n");
     }
-    sheet.text.push_str("</svg>\n");
-    if !sheet.finite {
+    document.text.push_str("</svg>\n");
+    if !document.finite {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
     }
-    out.write_all(sheet.text.as_bytes())
+    out.write_all(document.text.as_bytes())
 }
 
 /// The document while it grows, and where its upper left corner lies in the drawing, whose y-axis points up.
-struct Sheet {
+struct Document {
     text: String,
     left: f64,
     top: f64,
@@ -89,7 +89,7 @@ struct Sheet {
     unit: LengthUnit,
 }
 
-impl Sheet {
+impl Document {
     /// A length (mm) in the unit of the drawing, to a nanometre or finer, without idle zeros.
     fn number(&mut self, x: f64) -> String {
         self.finite &= x.is_finite();

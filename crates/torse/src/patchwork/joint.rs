@@ -38,7 +38,7 @@ const LEAST_OF_ONE_FACE: f64 = 0.5;
 const REFINEMENTS: usize = 34;
 
 /// A run as a polyline.
-struct Course<'a> {
+struct CoedgePolyline<'a> {
     side: JointSide<'a>,
     /// Number of its face, of the edge within the face, and of the edge in the file (0 if unknown).
     edge: (usize, u32, u64),
@@ -48,7 +48,7 @@ struct Course<'a> {
     bbox: BBox,
 }
 
-impl<'a> Course<'a> {
+impl<'a> CoedgePolyline<'a> {
     fn new(panel: usize, run: &'a Coedge, edge: (usize, u32, u64), reach: f64) -> Self {
         let points: Vec<Vec3> = (0..=SAMPLES).map(|k| point(run, k as f64 / SAMPLES as f64)).collect();
         let mut bbox = BBox::empty();
@@ -116,13 +116,14 @@ pub fn joints(patchwork: &Patchwork, reach: f64, spacing: f64) -> Vec<Joint<'_>>
             }
         }
     }
-    let all: Vec<Course> = runs.into_par_iter().map(|(k, run, edge)| Course::new(k, run, edge, reach)).collect();
+    let all: Vec<CoedgePolyline> =
+        runs.into_par_iter().map(|(k, run, edge)| CoedgePolyline::new(k, run, edge, reach)).collect();
     let mut uses: HashMap<u64, HashSet<(usize, u32)>> = HashMap::new();
     for (face, label, entity) in all.iter().map(|c| c.edge).filter(|e| e.2 != 0) {
         uses.entry(entity).or_default().insert((face, label));
     }
-    let shared = |c: &Course| uses.get(&c.edge.2).is_some_and(|u| u.len() > 1);
-    let may_join = |a: &Course, b: &Course| {
+    let shared = |c: &CoedgePolyline| uses.get(&c.edge.2).is_some_and(|u| u.len() > 1);
+    let may_join = |a: &CoedgePolyline, b: &CoedgePolyline| {
         let by_number = shared(a) || shared(b);
         (!by_number || a.edge.2 == b.edge.2) && a.near(b)
     };
@@ -140,7 +141,7 @@ fn entity(face: &Face, label: u32) -> u64 {
 }
 
 /// The longest common stretch of two runs.
-fn joint<'a>(a: &Course<'a>, b: &Course<'a>, reach: f64, spacing: f64) -> Option<Joint<'a>> {
+fn joint<'a>(a: &CoedgePolyline<'a>, b: &CoedgePolyline<'a>, reach: f64, spacing: f64) -> Option<Joint<'a>> {
     let together: Vec<bool> = (0..=SAMPLES)
         .map(|k| {
             // A foot lies within half a step of the nearest sample.

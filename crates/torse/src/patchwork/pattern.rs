@@ -293,7 +293,7 @@ impl Pattern {
     }
 }
 
-/// Fewer rulings say too little about the course of a strip.
+/// Fewer rulings say too little about the shape of a strip.
 const LEAST_RULINGS: usize = 5;
 /// Sine of the angle below which two pieces lie on one line: rulings of a strip that are this near to parallel and to
 /// each other are one, interrupted by a hole.

@@ -23,7 +23,7 @@ pub(crate) struct Line<'a> {
 
 /// What a directed edge that must be there means: a border of the region on whose inner side one looks, or labels.
 #[derive(Clone, Copy)]
-enum Wall {
+enum ConstrainedEdge {
     Trim(u32),
     Between([u32; 2]),
 }
@@ -66,7 +66,7 @@ struct Drawing<'a> {
     cell: [f64; 2],
     points: Points,
     /// Directed edges: borders of the region have it on the left.
-    walls: HashMap<(u32, u32), Wall>,
+    constrained: HashMap<(u32, u32), ConstrainedEdge>,
 }
 
 impl<'a> Drawing<'a> {
@@ -74,7 +74,7 @@ impl<'a> Drawing<'a> {
         let going: HashSet<[u32; 2]> = lines.iter().flat_map(|l| [l.labels, [l.labels[1], l.labels[0]]]).collect();
         let of = from.adjacency();
         let label = |e: (u32, u32)| of.get(&e).map(|&t| from.labels[t as usize]);
-        let mut walls = HashMap::new();
+        let mut constrained = HashMap::new();
         let (mut sums, mut kept, mut gone) = ([0.0; 2], BTreeSet::new(), HashSet::new());
         let mut points = Points::default();
         let mut count = 0.0_f64;
@@ -83,9 +83,9 @@ impl<'a> Drawing<'a> {
                 let [p, q] = [a, b].map(|v| from.vertices[v as usize]);
                 sums = [sums[0] + (p[0] - q[0]).abs(), sums[1] + (p[1] - q[1]).abs()];
                 count += 1.0;
-                let wall = match (from.trim_edges.get(&(a, b)), label((b, a))) {
-                    (Some(&number), _) => Wall::Trim(number),
-                    (None, Some(m)) if m != l && !going.contains(&[l, m]) => Wall::Between([l, m]),
+                let edge_meaning = match (from.trim_edges.get(&(a, b)), label((b, a))) {
+                    (Some(&number), _) => ConstrainedEdge::Trim(number),
+                    (None, Some(m)) if m != l && !going.contains(&[l, m]) => ConstrainedEdge::Between([l, m]),
                     (None, Some(m)) => {
                         if m != l {
                             gone.extend([a, b]);
@@ -96,8 +96,8 @@ impl<'a> Drawing<'a> {
                 };
                 kept.extend([a, b]);
                 // Both sides of a border that stays are seen; it is noted once.
-                if matches!(wall, Wall::Trim(_)) || a < b {
-                    walls.insert((points.index(p), points.index(q)), wall);
+                if matches!(edge_meaning, ConstrainedEdge::Trim(_)) || a < b {
+                    constrained.insert((points.index(p), points.index(q)), edge_meaning);
                 }
             }
         }
@@ -122,7 +122,7 @@ impl<'a> Drawing<'a> {
         inside.into_iter().for_each(|p| {
             points.index(p);
         });
-        Some(Self { knots, extent, cell, points, walls })
+        Some(Self { knots, extent, cell, points, constrained })
     }
 
     /// Adds a line, cut at the knot lines, its ends on what is there.
@@ -164,11 +164,11 @@ impl<'a> Drawing<'a> {
         let mut chain: Vec<u32> = left.into_iter().map(|p| self.points.index(p)).collect();
         chain.dedup();
         for w in chain.windows(2) {
-            let taken = self.walls.contains_key(&(w[0], w[1])) || self.walls.contains_key(&(w[1], w[0]));
+            let taken = self.constrained.contains_key(&(w[0], w[1])) || self.constrained.contains_key(&(w[1], w[0]));
             if taken {
                 return None;
             }
-            self.walls.insert((w[0], w[1]), Wall::Between(line.labels));
+            self.constrained.insert((w[0], w[1]), ConstrainedEdge::Between(line.labels));
         }
         Some(())
     }
@@ -177,7 +177,7 @@ impl<'a> Drawing<'a> {
     fn end(&mut self, p: [f64; 2]) -> [f64; 2] {
         let scaled = |p: [f64; 2], q: [f64; 2]| [(q[0] - p[0]) / self.extent[0], (q[1] - p[1]) / self.extent[1]];
         let mut best: Option<(f64, (u32, u32), f64)> = None;
-        for &(a, b) in self.walls.keys() {
+        for &(a, b) in self.constrained.keys() {
             let [x, y] = [a, b].map(|v| self.points.list[v as usize]);
             let (d, off) = (scaled(x, y), scaled(x, p));
             let share = ((off[0] * d[0] + off[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
@@ -195,10 +195,10 @@ impl<'a> Drawing<'a> {
             }
         }
         let q = [0, 1].map(|d: usize| if x[d] == y[d] { x[d] } else { x[d] + (y[d] - x[d]) * share });
-        let Some(wall) = self.walls.remove(&(a, b)) else { return p };
+        let Some(edge_meaning) = self.constrained.remove(&(a, b)) else { return p };
         let m = self.points.index(q);
-        self.walls.insert((a, m), wall);
-        self.walls.insert((m, b), wall);
+        self.constrained.insert((a, m), edge_meaning);
+        self.constrained.insert((m, b), edge_meaning);
         q
     }
 
@@ -215,14 +215,14 @@ impl<'a> Drawing<'a> {
             }
             handle.push(h);
         }
-        let mut walls: Vec<(u32, u32)> = self.walls.keys().copied().collect();
-        walls.sort_unstable();
+        let mut constrained: Vec<(u32, u32)> = self.constrained.keys().copied().collect();
+        constrained.sort_unstable();
         let mut crossing = BTreeSet::new();
-        for e in walls {
+        for e in constrained {
             let [a, b] = [e.0, e.1].map(|v| handle[v as usize]);
             if cdt.can_add_constraint(a, b) {
                 cdt.add_constraint(a, b);
-            } else if let Wall::Between(labels) = self.walls[&e] {
+            } else if let ConstrainedEdge::Between(labels) = self.constrained[&e] {
                 crossing.insert(labels);
             } else {
                 return Err(Vec::new());
@@ -254,7 +254,7 @@ impl<'a> Drawing<'a> {
             out.triangles.push(f);
             out.labels.push(label);
             for e in edges(f) {
-                if let Some(Wall::Trim(number)) = self.walls.get(&e) {
+                if let Some(ConstrainedEdge::Trim(number)) = self.constrained.get(&e) {
                     out.trim_edges.insert(e, *number);
                 }
             }
@@ -262,7 +262,7 @@ impl<'a> Drawing<'a> {
         Ok(without_unused(out))
     }
 
-    /// On which side of the walls every triangle lies. `None` where walls contradict each other, or say nothing.
+    /// On which side of the constrained edges every triangle lies. `None` where these contradict each other, or say nothing.
     fn sides(&self, faces: &[[u32; 3]]) -> Option<Vec<Side>> {
         let mut left: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * faces.len());
         for (k, &f) in faces.iter().enumerate() {
@@ -270,11 +270,11 @@ impl<'a> Drawing<'a> {
         }
         let mut sides: Vec<Option<Side>> = vec![None; faces.len()];
         let mut queue = VecDeque::new();
-        for (&(a, b), wall) in &self.walls {
-            let seeds = match *wall {
-                // What is inside other walls tell.
-                Wall::Trim(_) => [None, Some(Side::Outside)],
-                Wall::Between(labels) => labels.map(|l| Some(Side::Label(l))),
+        for (&(a, b), edge_meaning) in &self.constrained {
+            let seeds = match *edge_meaning {
+                // What is inside other constrained edges tell.
+                ConstrainedEdge::Trim(_) => [None, Some(Side::Outside)],
+                ConstrainedEdge::Between(labels) => labels.map(|l| Some(Side::Label(l))),
             };
             for (e, seed) in [(a, b), (b, a)].into_iter().zip(seeds) {
                 let (Some(&k), Some(seed)) = (left.get(&e), seed) else { continue };
@@ -288,7 +288,7 @@ impl<'a> Drawing<'a> {
         while let Some(k) = queue.pop_front() {
             for (a, b) in edges(faces[k]) {
                 let Some(&next) = left.get(&(b, a)) else { continue };
-                if self.walls.contains_key(&(a, b)) || self.walls.contains_key(&(b, a)) {
+                if self.constrained.contains_key(&(a, b)) || self.constrained.contains_key(&(b, a)) {
                     continue;
                 }
                 match sides[next] {

@@ -120,12 +120,12 @@ pub struct WrittenSide {
     /// Places of the first and last vertex, in the edge's own direction.
     pub vertices: [[f64; 3]; 2],
     /// The curve in space.
-    pub course: WrittenCourse,
+    pub curve: WrittenCurve,
 }
 
 /// The curve of an edge.
 #[derive(Clone, Debug)]
-pub enum WrittenCourse {
+pub enum WrittenCurve {
     /// Straight line.
     Line {
         /// A point of it.

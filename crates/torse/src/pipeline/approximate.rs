@@ -25,7 +25,7 @@ use crate::search::creased::between_sharp_creases;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
 use crate::search::meeting::all_met;
 use crate::search::smooth::smoothly_joined;
-use crate::search::trims::{trims_judged, TrimsJudged};
+use crate::search::trims::{assess_trims, AssessedTrims};
 use checks::{checked, checked_curves, checked_number, told_of_curves};
 pub use error::ApproximateError;
 pub use options::{Options, SMOOTH_ANGLE_DEG};
@@ -81,7 +81,7 @@ pub fn of_faces(
     let start = Instant::now();
     let tolerance = options.tolerance;
     checked(&faces, &skipped, options)?;
-    let TrimsJudged { faces, missed: untrue, .. } = trims_judged(faces, tolerance);
+    let AssessedTrims { faces, missed: untrue, .. } = assess_trims(faces, tolerance);
     let creased = between_sharp_creases(faces, options.smooth_angle, tolerance);
     let told = Note::creased(&creased);
     let faces = smoothly_joined(creased.faces, tolerance, options.smooth_angle, control);

@@ -26,7 +26,7 @@ use crate::search::strips::cone_body::{body, Proven, Target};
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{bent_tip, ruled, strip_of};
 use crate::search::strips::cut::{lengths, refused};
-use crate::search::trims::{trims_judged, TrimsJudged, TRIM_AIM};
+use crate::search::trims::{assess_trims, AssessedTrims, TRIM_AIM};
 use crate::torse::cone::part::ConeBody;
 use crate::torse::strip::Strip;
 pub use flat::counts;
@@ -78,7 +78,7 @@ pub fn of_faces(
     let boxes: Vec<BBox> = faces.iter().map(|f| f.surface.bbox()).collect();
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     let mut targets = Vec::new();
-    let TrimsJudged { faces, bound, missed } = trims_judged(faces.to_vec(), options.tolerance);
+    let AssessedTrims { faces, bound, missed } = assess_trims(faces.to_vec(), options.tolerance);
     let faces = beside_apexes(faces, Hair::OF_CONES, options.tolerance);
     // Where a tip was cut off, more is missed than the trims are off.
     let bound = faces.iter().map(|f| trim_proof(f, TRIM_AIM * options.tolerance).bound()).fold(bound, UpperBound::max);

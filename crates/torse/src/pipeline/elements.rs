@@ -6,7 +6,7 @@ use crate::answer::Answer;
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Status, Subject};
 use crate::control::Control;
-use crate::fit::elements::gaps::sheets;
+use crate::fit::elements::gaps::ruling_groups;
 use crate::fit::elements::given::{agreeing, of_rulings, only, repeated, square, FEWEST};
 use crate::fit::elements::ruling_order::is_ring;
 use crate::geom::coarse::{is_tolerance, Coarse, Loose};
@@ -15,16 +15,16 @@ use crate::io::words;
 use crate::reason::{Item, JobReason, Reason};
 use crate::search::strips::rows::{strips_of_face, strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
-use crate::search::trims::trims_judged;
+use crate::search::trims::assess_trims;
 use crate::torse::contact::{orient, Given};
 use crate::torse::zone::RegressionLimits;
-use judged::{judged, Made, Sort};
+use assessed::{assessed, Made, Sort};
 use left::{bounds, shortened};
 pub use options::{ElementFitError, ElementFitOptions};
 use std::time::Instant;
 
+mod assessed;
 mod ends;
-mod judged;
 mod left;
 mod options;
 #[cfg(test)]
@@ -114,7 +114,7 @@ fn around(
         let rows = sheets.iter().map(|r| of_rulings(r, options.tolerance).map(row)).collect::<Result<_, _>>()?;
         run(rows, Vec::new(), sort, rulings, (options, control))
     };
-    let sheets = sheets(rulings, options.tolerance);
+    let sheets = ruling_groups(rulings, options.tolerance);
     let answer = found(&sheets.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
     match &sheets[..] {
         [ring] if is_ring(ring) && ring.len() >= 2 * FEWEST && answer.patchwork.panels.len() == 1 => {
@@ -140,7 +140,7 @@ pub fn fit_faces(
     let mut left = skipped.to_vec();
     let before = left.len();
     // How far their trims keep from the file's edges is part of what is proven.
-    let faces = &trims_judged(faces.to_vec(), options.tolerance).faces[..];
+    let faces = &assess_trims(faces.to_vec(), options.tolerance).faces[..];
     let mut rows = Vec::new();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
@@ -208,7 +208,7 @@ fn run(
         made.strips.append(&mut found.strips);
         made.all.append(&mut found.elements);
     }
-    Ok(judged(made, sort, options, control, clock))
+    Ok(assessed(made, sort, options, control, clock))
 }
 
 /// Refuses elements that cannot be used; the others are oriented alike, and hold their rulings where these are to be kept.

@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: find all branches of common tangent planes, follow the best one, fit it,
 //! have rails and twist judged, develop; where there is no branch, take the strip of least twist and say so.
 
-mod judged;
+mod assessed;
 mod options;
 #[cfg(test)]
 mod tests;
@@ -14,7 +14,7 @@ use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::design::loft::alternatives::{alternatives, greatest_twist};
 use crate::design::loft::branches::{Branch, BranchType};
-use crate::design::loft::build::{along, follow, BuildOptions, BuiltStrip};
+use crate::design::loft::build::{follow, strips_along_path, BuildOptions, BuiltStrip};
 use crate::design::loft::least_twist::{LeastTwistOptions, TwistPath};
 use crate::design::loft::orientation::{is_candidate, oriented, seamed};
 use crate::design::loft::{apart, LoftError};
@@ -22,7 +22,7 @@ use crate::geom::coarse::{is_tolerance, Loose};
 use crate::search::strips::exact_chain::{exact_chain, ExactChain};
 use crate::search::strips::loft_ends::{extended, note_ends, shares, with_ends};
 use crate::torse::rail::Rail;
-use judged::{judged, FINEST};
+use assessed::{assessed, FINEST};
 pub use options::{Choice, Ends, Extension, Options};
 use std::time::Instant;
 
@@ -121,7 +121,7 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
         strips
     };
     control.report("judging", 0.7, "");
-    let mut answer = judged([&rails, &given], strips, closed, options, notes, start);
+    let mut answer = assessed([&rails, &given], strips, closed, options, notes, start);
     if answer.status() != Status::Certified && Rail::in_one_plane(&given, FLAT_SHARE * tolerance) {
         answer.notes.push(Note::Loft(LoftNote::OnePlane));
     }
@@ -163,7 +163,7 @@ fn along_path(rails: [&Rail; 2], path: &TwistPath, build: &BuildOptions) -> Resu
     for &last in path.held.iter().chain([&(path.stations.len() - 1)]) {
         let closed = path.closed && path.held.is_empty();
         // What a stopped job falls back on is fitted all the same.
-        built.extend(along(rails, &path.stations[first..=last], closed, build, &Control::default())?);
+        built.extend(strips_along_path(rails, &path.stations[first..=last], closed, build, &Control::default())?);
         first = last;
     }
     for (k, s) in built.iter_mut().enumerate() {

@@ -3,8 +3,8 @@
 //! Reads like the page that describes it: take the curve as one spline, find all regular nets \[FJ07\], keep the best,
 //! have it judged, develop.
 
+mod assessed;
 mod error;
-mod judged;
 mod options;
 #[cfg(test)]
 mod tests;
@@ -21,8 +21,8 @@ use crate::reason::{Reason, StripReason};
 use crate::spline::curve::Curve;
 use crate::torse::net::{Net, NetError, Shape, TaperedNet};
 use crate::torse::rail::Rail;
+use assessed::{assessed, Nets};
 pub(crate) use error::NetJobError;
-use judged::{judged, Nets};
 pub use options::{Condition, Options};
 use std::time::Instant;
 
@@ -84,7 +84,7 @@ pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Answer,
             source => NetJobError::Net { curve: name(), source },
         })?);
     }
-    Ok(judged(&rail, curve, built, answer, options, start))
+    Ok(assessed(&rail, curve, built, answer, options, start))
 }
 
 /// Nets that hold the first and the last ruling.

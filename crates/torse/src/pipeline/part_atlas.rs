@@ -8,7 +8,7 @@ use crate::certify::trims::trim_proof;
 use crate::develop::refold::atlas::{of_face, Atlas, AtlasError, PanelPatch};
 use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow};
 use crate::develop::refold::leaf::Refolded;
-use crate::develop::refold::{course, sheet, RefoldError};
+use crate::develop::refold::{one_family, sheet, RefoldError};
 use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::KFactor;
 use crate::geom::Vec2;
@@ -93,7 +93,7 @@ pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
     }
     // One rolled face without others beside it is one family of rulings, whichever ways it is bent.
     if part.bends.is_empty() || part.extents.is_empty() && part.bends.iter().all(|b| varies(&b)) {
-        return course::refold(part);
+        return one_family::refold(part);
     }
     sheet::refold(part)
 }

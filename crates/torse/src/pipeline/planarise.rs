@@ -122,10 +122,10 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
     control.report("planarising", 0.2, "");
     let done = subdivide(strip, &SubdivideOptions::new(options.levels, options.hold), control)?;
     control.report("developing", 0.6, "");
-    judged(strip, done, options, start)
+    assessed(strip, done, options, start)
 }
 
-fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Answer, PlanariseError> {
+fn assessed(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Answer, PlanariseError> {
     let result = &done.strip;
     let mut missing = Vec::new();
     let (mut each, mut fields, mut gaps) = (Vec::new(), Vec::new(), Vec::new());

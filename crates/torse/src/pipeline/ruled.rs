@@ -23,7 +23,7 @@ use crate::patchwork::part::Part;
 use crate::reason::{FaceReason, Reason};
 use crate::search::apex::{beside_apexes, Hair};
 use crate::search::ruled::ruled_face;
-use crate::search::trims::{trims_judged, TrimsJudged};
+use crate::search::trims::{assess_trims, AssessedTrims};
 use std::time::Instant;
 
 pub use crate::search::ruled::RuledOptions as Strips;
@@ -121,7 +121,7 @@ pub fn of_faces(
     let boxes: Vec<BBox> = faces.iter().map(|f| f.surface.bbox()).collect();
     let bbox = BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max]));
     Loose::check(bbox.diagonal(), tolerance)?;
-    let TrimsJudged { faces, missed, .. } = trims_judged(faces, tolerance);
+    let AssessedTrims { faces, missed, .. } = assess_trims(faces, tolerance);
     let faces = beside_apexes(faces, Hair::FINE, tolerance);
     let (mut patchwork, mut certificates) = (Patchwork::default(), Vec::new());
     let (mut missing, mut map, mut directing, mut first) = (missed, Vec::new(), Vec::new(), None);

@@ -3,11 +3,11 @@
 //! Reads like the page that describes it: set up the composite, settle it, move handles, polish, have it judged, develop.
 
 mod apart;
+mod assessed;
 mod composite;
 mod given;
 mod goal;
 mod joined;
-mod judged;
 mod moved;
 mod options;
 mod rails;
@@ -24,8 +24,8 @@ use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::{BBox, Vec3};
 use crate::io::shape::ShapeFile;
 use crate::reason::JobReason;
+use assessed::assessed;
 use composite::composite;
-use judged::judged;
 use moved::{moved, Moved};
 pub use options::Options;
 pub(crate) use options::ShapeError;
@@ -97,6 +97,6 @@ pub fn shape(
     control.report("judging", 0.7, "");
     // The proof has its own clock: what was made is judged even when time is up.
     let asked = Asked { records: &job.targets, goals: &goals, own: job.curves.len(), taken: &taken, options };
-    let answer = judged(&session, &asked, out, &Control::default())?;
+    let answer = assessed(&session, &asked, out, &Control::default())?;
     Ok(Answer { seconds: start.elapsed().as_secs_f64(), ..answer })
 }

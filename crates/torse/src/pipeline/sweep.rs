@@ -12,7 +12,7 @@ use crate::draw::raster::Image;
 use crate::patchwork::panel::Border;
 use crate::search::cover::band_range;
 use crate::search::smooth::smoothly_joined;
-use crate::search::trims::trims_judged;
+use crate::search::trims::assess_trims;
 use rayon::prelude::*;
 
 /// Chords per span of an edge curve when its length is measured.
@@ -21,7 +21,7 @@ const CHORDS: usize = 4;
 /// Runs the main job once for every tolerance (mm), finest last so that early rows come soon. `skipped` are the faces
 /// that were left out before.
 ///
-/// *Limit*: `Σ W/(4√ε)` over the faces, with W the range of the best level function found, at least one panel per face
+/// *Limit*: `Σ W/(4√ε)` over the faces, with W the range of the best strip potential found, at least one panel per face
 /// (approximation specification B2). It is a limit for surfaces of one curvature sign; where curvature is mixed there is
 /// none. *Not guaranteed*: that no cover needs fewer; W is a numerical optimum.
 ///
@@ -36,7 +36,7 @@ pub fn sweep(
 ) -> Result<Vec<SweepRow>, ApproximateError> {
     // Joined once for all tolerances, as the finest allows.
     let finest = tolerances.iter().copied().filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min);
-    let faces = trims_judged(faces.to_vec(), finest).faces;
+    let faces = assess_trims(faces.to_vec(), finest).faces;
     let faces = &smoothly_joined(faces, finest, options.smooth_angle, control);
     let ranges: Vec<Option<f64>> = faces.par_iter().map(band_range).collect();
     let mut sorted = tolerances.to_vec();

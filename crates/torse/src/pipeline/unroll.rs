@@ -12,8 +12,8 @@ use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
 use crate::brep::body::SMOOTH;
-use crate::brep::carrier::carrier;
 use crate::brep::face::Face;
+use crate::brep::recognised_surface::recognise;
 use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
@@ -31,7 +31,7 @@ use crate::pipeline::approximate::ApproximateError;
 use crate::reason::FaceReason;
 use crate::search::strips::face_panel::{face_panel, LaidFace};
 #[cfg(test)]
-use proofs::judged;
+use proofs::assessed;
 use proofs::{fault, proven};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -136,7 +136,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let boxes: Vec<BBox> = model.faces.iter().map(|f| f.surface.bbox()).collect();
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     // What is to be covered is cut there, after its trim was proven.
-    let laid = |f: &Face, _: &Crease| options.approximate.is_none() || carrier(f).is_developable();
+    let laid = |f: &Face, _: &Crease| options.approximate.is_none() || recognise(f).is_developable();
     let creased = uncreased(model.faces.clone(), SMOOTH, laid);
     let told = Note::creased(&creased);
     let faces = creased.faces;

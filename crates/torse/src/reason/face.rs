@@ -179,14 +179,14 @@ pub enum Unlaid {
     /// The face is neither skin nor edge of the sheet.
     Feature {
         /// What it lies on.
-        carrier: &'static str,
+        surface: &'static str,
         /// Thickness of the sheet, mm.
         thickness: f64,
     },
     /// The face could not be laid flat.
     Face {
         /// What it lies on.
-        carrier: &'static str,
+        surface: &'static str,
     },
     /// The face is so narrow that nothing is left of its outline.
     Narrow {

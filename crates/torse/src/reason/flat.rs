@@ -207,8 +207,8 @@ pub enum Differs {
     NoPiece,
     /// The piece turns too far.
     Turns,
-    /// The piece does not lie on its own carrier.
-    OffCarrier,
+    /// The piece does not lie on its own surface.
+    OffOwnSurface,
     /// A coordinate is not a finite number.
     Coordinate,
     /// The outline has no extent.

@@ -1,8 +1,8 @@
 //! Faces that run to the very tip of a cone end a hair before it: there they have no tangent plane, sheet cannot be bent to it, and
 //! files have no edge without length. What is missing is proven and counts as what trims miss.
 
-use crate::brep::carrier::bounds;
 use crate::brep::face::{Face, TrimLoop};
+use crate::brep::recognised_surface::bounds;
 use crate::brep::rulings::Rulings;
 use crate::certify::parameters_moved;
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ fn beside_apex(face: &Face, hair: Hair, tolerance: f64) -> Option<Face> {
     let (lo, hi) = rulings.reach();
     let (a, b) = rulings.range();
     let length = rulings.line(0.5 * (a + b))?.length;
-    let tip = match rulings.meet() {
+    let tip = match rulings.end_in_points() {
         [true, false] => 0,
         [false, true] => 1,
         _ => return None,

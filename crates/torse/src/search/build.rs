@@ -169,7 +169,7 @@ pub(crate) fn build_until(
     control: &Control,
 ) -> (Built, Vec<u32>) {
     let partition = smooth_borders(face, state.partition.clone(), tolerance, |_| true);
-    judged(index, face, &seams::with_partition(face, state, partition), (tolerance, control), None)
+    assessed(index, face, &seams::with_partition(face, state, partition), (tolerance, control), None)
 }
 
 /// Strips that are to meet.
@@ -185,14 +185,14 @@ pub(crate) fn build_on(
     index: usize,
     face: &Face,
     state: &State,
-    judgement: (f64, &Control),
+    limits: (f64, &Control),
     joined: Joined,
 ) -> (Built, Vec<u32>) {
-    judged(index, face, state, judgement, Some(joined))
+    assessed(index, face, state, limits, Some(joined))
 }
 
 /// See [`build_on`] and [`build_until`].
-fn judged(
+fn assessed(
     index: usize,
     face: &Face,
     state: &State,

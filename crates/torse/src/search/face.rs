@@ -135,7 +135,7 @@ impl Covered {
     }
 
     /// Proves the flat patterns of strips that are to meet: what meeting must not lose.
-    pub(crate) fn judge_flat(&mut self, control: &Control) {
+    pub(crate) fn assess_flat(&mut self, control: &Control) {
         if let Some(apart) = self.apart.as_mut().filter(|a| !a.meets) {
             apart.unproven = unproven(&self.built, control).into_iter().collect();
         }

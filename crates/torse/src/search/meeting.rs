@@ -28,7 +28,7 @@ pub(crate) fn all_met<E: Send>(
     let total = found.iter().flatten().filter(|c| c.is_apart()).count();
     let finished = AtomicUsize::new(0);
     let start = Instant::now();
-    found.par_iter_mut().flatten().for_each(|c| c.judge_flat(control));
+    found.par_iter_mut().flatten().for_each(|c| c.assess_flat(control));
     let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
     if total > 0 {
         control.report("joining strips", 0.0, format!("0 of {total}"));

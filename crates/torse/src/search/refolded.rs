@@ -9,7 +9,7 @@
 use crate::certify::claim::UpperBound;
 use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
 use crate::control::Control;
-use crate::develop::refold::atlas::{Atlas, OnPanel, Sheet};
+use crate::develop::refold::atlas::{Atlas, OnPanel, PlacedPanel};
 use crate::develop::refold::compare::samples;
 use crate::develop::refold::cut::{cut, Region};
 use crate::develop::refold::drawn::{bounds, inside, FlatPart};
@@ -90,21 +90,21 @@ pub(crate) fn distance_bounds(
     control: &Control,
 ) -> Vec<PanelBound> {
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
-    let judged = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
+    let assessed = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
         let all = stretches(part, leaf, &ribbon, atlas);
         let one = |(range, sheet): (Range<usize>, usize)| {
             let going = if control.stopped() { Err(NotRefolded::Stopped) } else { Ok(()) };
-            (sheet, going.and_then(|()| judged(part, (leaf, &ribbon), (range, control), (atlas, sheet))))
+            (sheet, going.and_then(|()| assessed(part, (leaf, &ribbon), (range, control), (atlas, sheet))))
         };
         all.into_par_iter().map(one).collect()
     };
     let leaves: Vec<&Leaf> = refolded.leaves.iter().filter(|l| !l.is_taken_up()).collect();
-    for (sheet, one) in leaves.into_par_iter().map(judged).collect::<Vec<_>>().into_iter().flatten() {
+    for (sheet, one) in leaves.into_par_iter().map(assessed).collect::<Vec<_>>().into_iter().flatten() {
         // A panel in two places has no one border.
         found[sheet] = Some(if found[sheet].is_some() { Err(NotRefolded::Several) } else { one });
     }
-    let named = |(found, sheet): (Option<_>, &Sheet)| PanelBound {
+    let named = |(found, sheet): (Option<_>, &PlacedPanel)| PanelBound {
         name: sheet.panel.name.clone(),
         found: found.unwrap_or(Err(NotRefolded::None)),
     };
@@ -371,7 +371,7 @@ fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, sheet): (
 }
 
 /// Judges the spans of one panel.
-fn judged(
+fn assessed(
     part: &FlatPart,
     (leaf, ribbon): (&Leaf, &Ribbon),
     (range, control): (Range<usize>, &Control),

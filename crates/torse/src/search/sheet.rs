@@ -65,7 +65,7 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
 /// A developable face cut along parameter lines, in the fewest fields that fit; `None` if none do.
 fn gridded(task: &Task) -> Option<Laid> {
     let limits = &task.options.limits;
-    let lines = [Line::along(task, 0), Line::along(task, 1)];
+    let lines = [Line::measured(task, 0), Line::measured(task, 1)];
     let mut counts: Vec<[usize; 2]> = Vec::new();
     for sides in [[limits.longest(), limits.widest()], [limits.widest(), limits.longest()]] {
         let least = |k: usize| sides[k].map_or(1.0, |limit| (lines[k].length() / limit).ceil().max(1.0));
@@ -120,7 +120,7 @@ struct Line {
 const LINES: [usize; 2] = [9, 200];
 
 impl Line {
-    fn along(task: &Task, direction: usize) -> Self {
+    fn measured(task: &Task, direction: usize) -> Self {
         let surface = &task.face.surface;
         let mut b = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for p in task.face.loops.iter().flat_map(|l| &l.points) {

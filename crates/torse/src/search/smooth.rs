@@ -13,7 +13,7 @@ use std::time::Instant;
 /// what is used of it is taken from the tolerance of the panels.
 const MISMATCH_SHARE: f64 = 0.01;
 /// Angle through which the normal of a joined face may turn along its parameter lines: half a tube with something to
-/// spare, not a whole tube, whose level functions would have to close.
+/// spare, not a whole tube, whose strip potentials would have to close.
 const MOST_TURN_DEG: f64 = 200.0;
 
 /// Angle through which a joined face may turn where it bends more sharply than panels may: a panel that stays away from the
@@ -56,7 +56,7 @@ pub(crate) fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64, cont
         if is_developable(a, tolerance) || is_developable(b, tolerance) {
             return is_smoothly_developable(whole, tolerance);
         }
-        // Strips of one level function across both, or at least no such strips given up.
+        // Strips of one strip potential across both, or at least no such strips given up.
         match (strip_range(whole), strip_range(a), strip_range(b)) {
             (Some(whole), Some(a), Some(b)) => whole <= a + b,
             (Some(_), _, _) | (None, None, None) => true,

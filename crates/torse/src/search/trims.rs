@@ -14,8 +14,8 @@ pub(crate) const TRIM_AIM: f64 = 0.002;
 /// Share of the tolerance that chords of trims may keep from the file's edges.
 const CHORDS_SHARE: f64 = 0.05;
 
-/// Faces whose trims were judged.
-pub struct TrimsJudged {
+/// Faces whose trims were assessed.
+pub struct AssessedTrims {
     /// The faces, with finer trims where the tolerance asks for them.
     pub faces: Vec<Face>,
     /// Greatest distance of a trim from the file's edges, mm.
@@ -26,8 +26,8 @@ pub struct TrimsJudged {
 
 /// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and where
 /// that takes too much of the tolerance.
-pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
-    let judged = faces.into_par_iter().map(|mut face| {
+pub fn assess_trims(faces: Vec<Face>, tolerance: f64) -> AssessedTrims {
+    let assessed = faces.into_par_iter().map(|mut face| {
         if face.boundary.is_none() {
             let bound = trim_proof(&face, TRIM_AIM * tolerance).bound();
             return (face, (bound, None));
@@ -43,9 +43,9 @@ pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
             .then(|| FaceReason::Trim { entity: face.entity, edge: proof.edge(), bound: bound.value() }.into());
         (face, (bound, missed))
     });
-    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = judged.unzip();
+    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = assessed.unzip();
     let bound = UpperBound::largest(found.iter().map(|f| f.0));
-    TrimsJudged { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
+    AssessedTrims { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
 }
 
 /// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the

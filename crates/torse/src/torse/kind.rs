@@ -29,9 +29,9 @@ impl TangentPlane {
     }
 }
 
-/// What the planes of a run envelop.
+/// What the planes of a piece envelop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RunShape {
+pub enum EnvelopeShape {
     /// They are one plane, the mean of all.
     Plane {
         /// The plane.
@@ -51,7 +51,7 @@ pub enum RunShape {
     Tangent,
 }
 
-impl RunShape {
+impl EnvelopeShape {
     /// Lower-case name used in reports.
     pub fn name(&self) -> &'static str {
         match self {
@@ -75,13 +75,13 @@ impl RunShape {
 
 /// Successive planes of one shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
+pub struct EnvelopePiece {
     /// First plane.
     pub first: usize,
     /// Behind the last plane.
     pub end: usize,
     /// What they envelop.
-    pub shape: RunShape,
+    pub shape: EnvelopeShape,
     /// Root mean square of what the shape leaves: angles in rad and distances by the size together. 0 for tangents.
     pub residual: f64,
     /// Whether another shape would be chosen if the noise were twice or half as great.
@@ -103,6 +103,6 @@ mod tests {
         assert!((t.normal.z.abs() - 1.0).abs() < 1e-15 && (t.offset * t.normal.z + 1.0).abs() < 1e-15);
         let t = TangentPlane::of(&strip(2.0), 0.5).expect("a plane");
         assert!((t.normal.dot(&x(1.5, 1.0, 1.25)) + t.offset).abs() < 1e-15);
-        assert_eq!(RunShape::Tangent.kind(), PanelKind::Torse);
+        assert_eq!(EnvelopeShape::Tangent.kind(), PanelKind::Torse);
     }
 }

@@ -118,7 +118,7 @@ pub(crate) fn degree<const D: usize>(curve: &Curve<D>) -> usize {
 }
 
 /// Room for the boundary curves on one ruling: `low` must lie in the first interval, `high` in the second.
-struct Room {
+struct BoundaryIntervals {
     t: f64,
     low: (f64, f64),
     high: (f64, f64),
@@ -159,18 +159,20 @@ pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) ->
             trouble = ConvertError::Turning { t };
             continue;
         }
-        let side = |pick: &dyn Fn(&Room) -> (f64, f64), corners: &[f64]| -> Result<Curve<1>, ConvertError> {
-            let mut missed = range.0;
-            for excess in EXCESS {
-                let rooms = rooms(torse, extent, (&direction, &origin), range, excess, corners)?;
-                let data: Vec<(f64, (f64, f64))> = rooms.iter().map(|r| (r.t, pick(r))).collect();
-                match band(&data, &all) {
-                    Ok(curve) => return Ok(curve),
-                    Err(t) => missed = t,
+        let side =
+            |pick: &dyn Fn(&BoundaryIntervals) -> (f64, f64), corners: &[f64]| -> Result<Curve<1>, ConvertError> {
+                let mut missed = range.0;
+                for excess in EXCESS {
+                    let boundary_intervals =
+                        boundary_intervals(torse, extent, (&direction, &origin), range, excess, corners)?;
+                    let data: Vec<(f64, (f64, f64))> = boundary_intervals.iter().map(|r| (r.t, pick(r))).collect();
+                    match band(&data, &all) {
+                        Ok(curve) => return Ok(curve),
+                        Err(t) => missed = t,
+                    }
                 }
-            }
-            Err(ConvertError::Regression { t: missed })
-        };
+                Err(ConvertError::Regression { t: missed })
+            };
         // Corners between the sampled rulings may stick out: they get rulings of their own.
         let mut corners = Vec::new();
         for _ in 0..CORNER_ROUNDS {
@@ -269,14 +271,14 @@ const TOUCHES: f64 = 1e-12;
 
 /// Room on rulings over the range, those of `corners` among them.
 #[expect(clippy::too_many_lines, reason = "one walk over all rulings with its state")]
-fn rooms(
+fn boundary_intervals(
     torse: &Torse,
     extent: &Extent,
     (direction, origin): (&Curve<3>, &Vec3),
     range: (f64, f64),
     excess: f64,
     corners: &[f64],
-) -> Result<Vec<Room>, ConvertError> {
+) -> Result<Vec<BoundaryIntervals>, ConvertError> {
     // Border in the (t, y) plane.
     let border: Vec<Vec<(f64, f64)>> = extent
         .loops
@@ -366,7 +368,7 @@ fn rooms(
         let up = reach(line.slopes.1, 1.0).min(hi - line.ends.1 + excess * mean);
         // A quarter of the reach where it is short: the patch needs some margin everywhere.
         let margin = |reach: f64| (MARGIN_ALONG * mean).min(0.25 * reach);
-        out.push(Room {
+        out.push(BoundaryIntervals {
             t: line.t,
             low: (line.ends.0 - down, line.ends.0 - margin(down)),
             high: (line.ends.1 + margin(up), line.ends.1 + up),

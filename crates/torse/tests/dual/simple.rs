@@ -8,7 +8,7 @@ use torse::brep::face::Face;
 use torse::certify::claim::{Counted, Status, What};
 use torse::control::Control;
 use torse::fit::elements::extent::strip_by_slope;
-use torse::fit::elements::sequence::RowOptions;
+use torse::fit::elements::sequence::SequenceOptions;
 use torse::fit::elements::span_series::{PlaneSeries, SlopeSeries};
 use torse::geom::cloud::Cloud;
 use torse::geom::Vec3;
@@ -117,7 +117,7 @@ fn corollary_3_strips_of_type_3_have_cubic_polynomial_rails() {
             ContactElement { normal: jet.normal().normalize(), ends, radius: 30.0, weight: 1.0 }
         })
         .collect();
-    let series = SlopeSeries::of(&row, &RowOptions::new(0.1)).expect("slopes increase");
+    let series = SlopeSeries::of(&row, &SequenceOptions::new(0.1)).expect("slopes increase");
     for spans in [1, 2, 5] {
         let found = series.fit(spans, true).expect("a fit");
         let strip = strip_by_slope("s", &found, 1.0, &row).expect("a strip");
@@ -179,7 +179,7 @@ fn smoothing_trades_distance_for_calm() {
         })
         .collect();
     let wave = |smoothing: f64| {
-        let options = RowOptions { smoothing, ..RowOptions::new(0.45) };
+        let options = SequenceOptions { smoothing, ..SequenceOptions::new(0.45) };
         let fit = PlaneSeries::of(&planes, &options).expect("a series").fit(12, None).expect("a fit");
         let (a, b) = fit.torse.domain();
         let d = |k: i32| fit.torse.ruling(a + (b - a) * f64::from(k) / 102.0).direction;

@@ -11,7 +11,7 @@ use torse::io::step::read::read;
 use torse::io::words;
 use torse::pipeline::approximate::{of_faces, Options};
 use torse::search::cover::{Layout, Limits};
-use torse::search::trims::{trims_judged, TrimsJudged};
+use torse::search::trims::{assess_trims, AssessedTrims};
 
 const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [100., 0., 0.], [100., 100., 0.], [0., 100., 0.]];
 
@@ -98,7 +98,7 @@ fn bounds_hold_and_follow_the_tolerance() {
         for tolerance in [1.0, 0.005] {
             let read = read(bytes).expect("a model").faces;
             assert!(read.iter().all(|f| f.trim_bound().is_infinite()), "{name}: nothing is proven by reading");
-            let TrimsJudged { faces: judged, missed, bound } = trims_judged(read, tolerance);
+            let AssessedTrims { faces: judged, missed, bound } = assess_trims(read, tolerance);
             assert!(judged.iter().all(|f| f.trim_bound() <= bound.value()));
             assert!(missed.is_empty(), "{name} at {tolerance}: {missed:?}");
             for f in &judged {
@@ -174,7 +174,7 @@ fn edges_beside_their_face_count_where_it_is_laid_flat() {
         let model = read(s.text().as_bytes()).expect("a model");
         let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.1) };
         let answer = torse::unroll(&model, &options, &Control::default()).expect("an answer");
-        let far = answer.claim(What::CarrierDistance).map_or(f64::NAN, |c| c.value());
+        let far = answer.claim(What::MapSurfaceDistance).map_or(f64::NAN, |c| c.value());
         assert!(off <= far && far < off + 1e-6, "{far} for {off}");
         assert_eq!(answer.status() == Status::Certified, certified, "{off}");
     }

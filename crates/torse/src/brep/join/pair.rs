@@ -102,7 +102,7 @@ pub(super) fn joined(a: &Face, s: usize, b: &Face, t: usize, backwards: bool, op
         p[0] = moved(p[0]);
     }
     // One surface.
-    let bound = meet(&a.surface, &mut b.surface)?;
+    let bound = impose_common_end(&a.surface, &mut b.surface)?;
     if bound > options.mismatch {
         return None;
     }
@@ -220,7 +220,7 @@ fn across(a: &Surface, b: &Surface) -> Option<(f64, f64)> {
 ///
 /// With `Σ N w b` before, `Σ N w' a` after, a point S before moves by
 /// `|Σ N (w'(a − b) + (w' − w)(b − S))| / Σ N w'`, and b − S is no longer than the net is wide.
-fn meet(a: &Surface, b: &mut Surface) -> Option<f64> {
+fn impose_common_end(a: &Surface, b: &mut Surface) -> Option<f64> {
     let (row, last) = (a.row(), a.knots_u.control_count() - 1);
     if b.row() != row || a.knots_v != b.knots_v {
         return None;

@@ -3,8 +3,8 @@
 
 use super::cut;
 use super::polygon::{self, Polygon, Side};
-use crate::brep::carrier::bounds;
 use crate::brep::face::{Face, FileBoundary, FileEdge, TrimLoop, VANISHED};
+use crate::brep::recognised_surface::bounds;
 use crate::spline::surface::Surface;
 use rayon::prelude::*;
 use std::sync::Arc;

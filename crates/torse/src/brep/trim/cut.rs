@@ -394,7 +394,7 @@ struct Stretch {
 }
 
 /// Cuts polygons (in spline parameters) along the seam. Every answer lies between the seam and its next copy.
-pub(super) fn along(
+pub(super) fn cut_polygons(
     polygons: &[Polygon],
     chains: &[Chain],
     seam: &Seam,

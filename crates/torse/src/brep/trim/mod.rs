@@ -219,7 +219,7 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
             polygons.push(p.polygon);
         }
         if let Some(seam) = &plan.seam {
-            polygons = cut::along(&polygons, &chains, seam, &map, periods, &mut label)?;
+            polygons = cut::cut_polygons(&polygons, &chains, seam, &map, periods, &mut label)?;
         }
         let domain = surface.domain();
         let corners = polygons.iter().flat_map(|p| p.points.iter());

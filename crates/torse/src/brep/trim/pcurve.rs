@@ -610,7 +610,7 @@ impl Walk<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brep::support_surface::SplineCarrier;
+    use crate::brep::support_surface::SplineSupport;
     use crate::geom::Frame;
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
@@ -630,7 +630,7 @@ mod tests {
         let ku = Knots::new(2, vec![0., 0., 0., 1., 1., 2., 2., 3., 3., 4., 4., 4.], 9).expect("knots");
         let kv = Knots::clamped(1, &[0., 1.]).expect("knots");
         let support =
-            SupportSurface::Spline(SplineCarrier::new(Surface::new(ku, kv, &points, Some(&weights)).expect("surface")));
+            SupportSurface::Spline(SplineSupport::new(Surface::new(ku, kv, &points, Some(&weights)).expect("surface")));
         let size = 1e-6 * support.size();
         let ground = Ground::new(&support, size, 0.0);
         let frame = Frame { origin: Vec3::new(0.0, 0.0, 3.0), ..Frame::world() };

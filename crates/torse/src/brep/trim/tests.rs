@@ -4,7 +4,7 @@ use super::{faces, TrimError};
 use crate::brep::area::area_estimate;
 use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceKind};
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
@@ -41,7 +41,7 @@ fn area(support: &SupportSurface, region: Region) -> f64 {
 }
 
 fn spline(surface: Surface) -> SupportSurface {
-    SupportSurface::Spline(SplineCarrier::new(surface))
+    SupportSurface::Spline(SplineSupport::new(surface))
 }
 
 /// A surface without border, with the box of its natural parameters.

@@ -2,12 +2,12 @@
 //! in both directions, edges as they stand in files.
 //!
 //! *Method* (docs/algorithms/cones.md): feet on the chain map the region's boundary to a closed curve in the plane of
-//! (turn, r). It is joined to the edges of the pieces by paths along the carriers, whose lengths are enclosed for every
+//! (turn, r). It is joined to the edges of the pieces by paths along the cones, whose lengths are enclosed for every
 //! point of the boundary. A point of the part off these paths is enclosed by the feet as often as by the edges, so it is
 //! a foot of the region; a foot off the paths is enclosed by the edges, because the map does not fold \[LP98\].
 
 use super::matching::{matched, Passed, Ring};
-use super::side::{off_ruling, side, speed, EdgeCurve, Ground, Side, SidePiece, SupportSurface};
+use super::side::{off_ruling, side, speed, ConeSegment, EdgeCurve, Ground, Side, SidePiece};
 use super::{ConeProof, Prepared, ROUNDING};
 use crate::certify::boundary::clamped;
 use crate::certify::claim::UpperBound;
@@ -45,7 +45,7 @@ impl OutlineProof {
         self.bound
     }
 
-    /// Length (mm) along the carriers between the foot of any point of the outline and the part's edge there.
+    /// Length (mm) along the cones between the foot of any point of the outline and the part's edge there.
     pub fn path_bound(&self) -> UpperBound {
         self.path
     }
@@ -90,8 +90,8 @@ const DEPTH: usize = 14;
 
 /// The proof for a chain cut along the outline of a region.
 ///
-/// *Input*: `proof` is that of the chain against the region's strip; `part` is cut from `spline`, whose carriers are
-/// those of that proof. *Guarantee*: as documented at [`OutlineProof`], for the exact carriers and for the edges as
+/// *Input*: `proof` is that of the chain against the region's strip; `part` is cut from `spline`, whose cones are
+/// those of that proof. *Guarantee*: as documented at [`OutlineProof`], for the exact cones and for the edges as
 /// curves of numbers, rounding included. *Not guaranteed*: that edges do not cross each other within the distance proven.
 ///
 /// # Errors
@@ -108,8 +108,7 @@ pub fn outline(
     let nothing = UpperBound::shown(0.0);
     let joints = UpperBound::shown(joints_off(part, spline, &faces)?);
     let mut out = OutlineProof { bound: proof.lines_bound(), path: nothing, edges: joints };
-    let carriers: Vec<SupportSurface> =
-        part.faces.iter().map(|f| carrier(f.segment, spline, &f.blank.segment)).collect();
+    let cones: Vec<ConeSegment> = part.faces.iter().map(|f| cone(f.segment, spline, &f.blank.segment)).collect();
     let loops = part.outline();
     if loops.len() != region.loops.len() {
         return Err(OutlineFault::Loops { found: loops.len(), wanted: region.loops.len() });
@@ -138,7 +137,7 @@ pub fn outline(
         while let Some((m, depth)) = waiting.pop() {
             let piece = piece_of(m.edge);
             let edge = &passed[m.edge].curve;
-            let found = side(&ground, &carriers[piece], &SidePiece { border: ring.stretch(m.tau), edge: (edge, m.s) });
+            let found = side(&ground, &cones[piece], &SidePiece { border: ring.stretch(m.tau), edge: (edge, m.s) });
             let fine = found.as_ref().is_some_and(|f| f.bound <= out.bound.value().max(f.at_ends + EXCESS * tolerance));
             if !fine && depth < DEPTH {
                 let s = 0.5 * (m.s[0] + m.s[1]);
@@ -223,11 +222,11 @@ fn joints_off(part: &ConePart, spline: &ConeSpline, faces: &[[Option<usize>; 2]]
     Ok(worst)
 }
 
-/// What a piece is cut from: the carrier of its blank between the joints of its segment.
-fn carrier(segment: usize, spline: &ConeSpline, blank: &crate::torse::cone::spline::Segment) -> SupportSurface {
+/// What a piece is cut from: the cone of its blank between the joints of its segment.
+fn cone(segment: usize, spline: &ConeSpline, blank: &crate::torse::cone::spline::Segment) -> ConeSegment {
     let front = (segment > 0).then_some(blank.start);
     let back = spline.segments.get(segment + 1).map(|s| s.start);
-    SupportSurface { prepared: Prepared::new(blank), front, back }
+    ConeSegment { prepared: Prepared::new(blank), front, back }
 }
 
 /// The edges of a loop with their senses and the joints at which they end. `None` for edges that do not exist, or whose

@@ -1,11 +1,11 @@
-//! One piece of an outline: how far an edge in space strays along a carrier from the boundary of a ruled patch.
+//! One piece of an outline: how far an edge in space strays along a cone from the boundary of a ruled patch.
 //!
 //! *Method* (docs/algorithms/cones.md): both are polynomials of one parameter, the boundary after composition with the
 //! patch \[FR88\]. Angle about the axis and distance along the ruling between their feet are enclosed with four
-//! derivatives over the piece and sharply at its ends, like the distances from the carrier.
+//! derivatives over the piece and sharply at its ends, like the distances from the cone.
 
 use super::super::vector::{dot, V3};
-use super::{ahead, along, Prepared, Quantity, Seen};
+use super::{ahead, component, Prepared, Quantity, Seen};
 use crate::geom::Vec3;
 use crate::num::bernstein::{self, difference, elevated, from_spline_over, hull, product, Scalar};
 use crate::num::interval::Interval;
@@ -43,18 +43,18 @@ pub(super) enum EdgeCurve {
 
 /// What was shown of a piece.
 pub(super) struct Side {
-    /// Every point on the paths along the carrier between the feet of both is within this distance (mm) of the boundary.
+    /// Every point on the paths along the cone between the feet of both is within this distance (mm) of the boundary.
     pub bound: f64,
     /// The same at both ends of the piece.
     pub at_ends: f64,
     /// Length of the paths, mm.
     pub path: f64,
-    /// Distance of the edge from the carrier, mm.
+    /// Distance of the edge from the cone, mm.
     pub off: f64,
 }
 
-/// A carrier with the normal planes of its joints (`None` at the ends of the chain).
-pub(super) struct SupportSurface {
+/// A cone with the normal planes of its joints (`None` at the ends of the chain).
+pub(super) struct ConeSegment {
     pub prepared: Prepared,
     pub front: Option<G1Element>,
     pub back: Option<G1Element>,
@@ -70,20 +70,20 @@ struct Enclosed {
 }
 
 /// Bounds one piece; `None` where nothing can be said.
-pub(super) fn side(ground: &Ground, carrier: &SupportSurface, piece: &SidePiece) -> Option<Side> {
+pub(super) fn side(ground: &Ground, cone: &ConeSegment, piece: &SidePiece) -> Option<Side> {
     let (x, slack) = boundary(ground, piece.border.0, piece.border.1)?;
     let y = piece.edge.0.enclosed(piece.edge.1);
-    let p = &carrier.prepared;
+    let p = &cone.prepared;
     // 1. Beyond the joints.
     let beyond = |e: &Enclosed| {
         let past = |g: &G1Element, sign: f64| {
-            let [all] = [along(&super::from_point(&e.all, &g.point), &g.forward)];
-            let [a, b] = e.ends.each_ref().map(|v| along(&super::from_point(v, &g.point), &g.forward));
+            let [all] = [component(&super::from_point(&e.all, &g.point), &g.forward)];
+            let [a, b] = e.ends.each_ref().map(|v| component(&super::from_point(v, &g.point), &g.forward));
             let range = hermite_range(&a, &b, &all).0;
             (range * sign).hi.max(0.0)
         };
-        let front = carrier.front.as_ref().map_or(0.0, |g| past(g, -1.0));
-        front.max(carrier.back.as_ref().map_or(0.0, |g| past(g, 1.0)))
+        let front = cone.front.as_ref().map_or(0.0, |g| past(g, -1.0));
+        front.max(cone.back.as_ref().map_or(0.0, |g| past(g, 1.0)))
     };
     let outside = beyond(&x) + beyond(&y);
     // 2. Feet.
@@ -122,7 +122,7 @@ pub(super) fn side(ground: &Ground, carrier: &SupportSurface, piece: &SidePiece)
 fn apart<S: Quantity + Head>(p: &Prepared, x: (&Seen<S>, &V3<S>), y: (&Seen<S>, &V3<S>)) -> Option<[S; 2]> {
     if let Shape::Flat { .. } = p.segment.shape {
         let d: V3<S> = std::array::from_fn(|k| x.1[k] - y.1[k]);
-        return Some([along(&d, &p.middle.forward), along(&d, &p.middle.direction)]);
+        return Some([component(&d, &p.middle.forward), component(&d, &p.middle.direction)]);
     }
     let facing = dot(&x.0.q, &y.0.q);
     if facing.head().lo <= 0.0 {
@@ -297,8 +297,8 @@ pub(super) fn off_ruling(ruling: &G1Element, ends: &[Vec3; 2]) -> f64 {
     ends.iter()
         .map(|x| {
             let d: V3<Interval> = super::from_point(&super::super::vector::exact(x), &ruling.point);
-            let across = along(&d, &ruling.forward);
-            let above = along(&d, &ruling.normal);
+            let across = component(&d, &ruling.forward);
+            let above = component(&d, &ruling.normal);
             (across.sqr() + above.sqr()).sqrt().hi
         })
         .fold(0.0, f64::max)

@@ -40,7 +40,7 @@ struct Link {
 }
 
 /// A stretch of the border of a chain: a rail or a ruling of one of its strips.
-struct Run {
+struct BorderSide {
     link: usize,
     trim: Curve<2>,
     is_rail: bool,
@@ -49,7 +49,7 @@ struct Run {
 /// A chain in the plane.
 struct Laid {
     links: Vec<Link>,
-    runs: Vec<Run>,
+    runs: Vec<BorderSide>,
     /// Distance in space that the plane closes at one joint at most, and in all.
     gap: f64,
     gaps: f64,
@@ -220,7 +220,7 @@ impl Laid {
             for (link, control) in side {
                 let at: Vec<f64> = (0..control.len()).map(|i| i as f64 / (control.len() - 1) as f64).collect();
                 let trim = Curve { knots: Knots::clamped(1, &at).ok()?, control };
-                runs.push(Run { link, trim, is_rail });
+                runs.push(BorderSide { link, trim, is_rail });
             }
         }
         out.runs = runs;
@@ -232,7 +232,7 @@ impl Laid {
         Walk::new(&self.runs.iter().map(|r| self.image(r, STILL)).collect::<Vec<_>>())
     }
 
-    fn image<'a>(&'a self, run: &'a Run, motion: Motion) -> Image<'a> {
+    fn image<'a>(&'a self, run: &'a BorderSide, motion: Motion) -> Image<'a> {
         Image { flat: &self.links[run.link].rails, trim: &run.trim, motion }
     }
 

@@ -39,7 +39,7 @@ struct Piece<'a> {
 }
 
 /// A stretch of the border: an edge of a piece.
-struct Run {
+struct BorderEdge {
     piece: usize,
     trim: Curve<2>,
     /// Whether the border runs along it.
@@ -145,7 +145,7 @@ fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, toleran
 struct Laid<'a> {
     pieces: Vec<Piece<'a>>,
     /// Loops of the border, the greatest first, walked along.
-    walks: Vec<(Vec<Run>, Walk)>,
+    walks: Vec<(Vec<BorderEdge>, Walk)>,
     /// Distance in space of trimming curves from the edges of files.
     edges: f64,
 }
@@ -231,7 +231,7 @@ impl<'a> Laid<'a> {
                     }
                 };
                 self.edges = self.edges.max(off);
-                runs.push(Run { piece: owner, trim, forward });
+                runs.push(BorderEdge { piece: owner, trim, forward });
             }
             let seen: Vec<Curve<2>> =
                 runs.iter().map(|r| if r.forward { r.trim.clone() } else { r.trim.reversed() }).collect();
@@ -279,7 +279,7 @@ impl Piece<'_> {
 
     /// Where a place of the patch exactly is beside the other pieces.
     fn exactly(&self, q: &[f64; 2]) -> Option<[Interval; 2]> {
-        let p = self.rails.along(Jet::from(q[0]), Jet::from(q[1]))?.0;
+        let p = self.rails.along_curve(Jet::from(q[0]), Jet::from(q[1]))?.0;
         Some(self.motion.point(&[p[0].v, p[1].v]))
     }
 

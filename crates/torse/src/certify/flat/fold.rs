@@ -62,8 +62,8 @@ struct Image<'a> {
 
 /// Difference of both images, and how rough it is.
 fn apart(p: &Image, q: &Image, motion: &Motion, t: Jet) -> Option<([Jet; 2], f64)> {
-    let (on, rough) = p.flat.along(t, Jet::from(p.rail))?;
-    let (other, rougher) = q.flat.along(t, Jet::from(q.rail))?;
+    let (on, rough) = p.flat.along_curve(t, Jet::from(p.rail))?;
+    let (other, rougher) = q.flat.along_curve(t, Jet::from(q.rail))?;
     let other = motion.jet(&other);
     // Shares at the ends that may be without derivatives add up.
     let rough = (Interval::point(rough) + Interval::point(rougher)).hi;

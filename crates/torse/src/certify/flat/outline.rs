@@ -180,7 +180,7 @@ impl Image<'_> {
         let j = self.trim.jet(s);
         let jet =
             |d: usize| Jet { v: Interval::point(j[0][d]), d: Interval::point(j[1][d]), dd: Interval::point(j[2][d]) };
-        Some(self.motion.jet(&self.flat.along(jet(0), jet(1))?.0))
+        Some(self.motion.jet(&self.flat.along_curve(jet(0), jet(1))?.0))
     }
 
     /// About where the image is.
@@ -197,7 +197,7 @@ impl Image<'_> {
         let theta = trim_piece(self.trim, s, breaks[i]);
         let last = theta[0].len() - 1;
         let k = if s >= breaks[i] { last } else { 0 };
-        let p = self.flat.along(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
+        let p = self.flat.along_curve(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
         Some(self.motion.point(&[p[0].v, p[1].v]))
     }
 
@@ -211,10 +211,10 @@ impl Image<'_> {
         if let Some(p) = self.flat.model(&theta) {
             return Some(Stretch::Close(self.motion.image(&p, TaylorModel::constant)));
         }
-        let (curve, rough) = self.flat.along(Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]))?;
+        let (curve, rough) = self.flat.along_curve(Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]))?;
         let last = theta[0].len() - 1;
         let end = |k: usize| {
-            let p = self.flat.along(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
+            let p = self.flat.along_curve(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
             Some(self.motion.point(&[p[0].v, p[1].v]))
         };
         Some(Stretch::Wide { curve: self.motion.jet(&curve), ends: [end(0)?, end(last)?], rough })

@@ -152,13 +152,13 @@ impl FlatRails {
     }
 
     /// The map along `(t(s), r(s))`, and how [`rough`] it is; `None` outside the rulings in use.
-    pub fn along(&self, t: Jet, r: Jet) -> Option<([Jet; 2], f64)> {
+    pub fn along_curve(&self, t: Jet, r: Jet) -> Option<([Jet; 2], f64)> {
         let (first, last) = (self.piece(t.v.lo)?, self.piece(t.v.hi)?);
         let on = |i: usize| {
             let p = &self.pieces[i];
             let lo = t.v.lo.max(p.a);
             let t = Jet { v: Interval { lo, hi: t.v.hi.min(p.b).max(lo) }, ..t };
-            p.along(t, r)
+            p.along_curve(t, r)
         };
         let hull = |p: [Jet; 2], i: usize| {
             let q = on(i);
@@ -224,7 +224,7 @@ impl FlatPiece {
         (t - Jet::from(self.a)) * Jet::constant(self.inverse) - Jet::from(0.5)
     }
 
-    fn along(&self, t: Jet, r: Jet) -> [Jet; 2] {
+    fn along_curve(&self, t: Jet, r: Jet) -> [Jet; 2] {
         let x = self.variable(t);
         let share = if self.weights[0].is_empty() {
             r
@@ -576,7 +576,7 @@ mod tests {
             let at = |i: u32| (t0 + (t1 - t0) * f64::from(i) / 4000.0, 0.5 + 0.4 * (f64::from(i) * 0.002).sin());
             let place = |i: u32| {
                 let (t, r) = at(i);
-                let [x, y] = flat.along(Jet::from(t), Jet::from(r)).expect("inside").0;
+                let [x, y] = flat.along_curve(Jet::from(t), Jet::from(r)).expect("inside").0;
                 [x.v.mid(), y.v.mid()]
             };
             let point = |i: u32| patch.point(at(i).0, at(i).1);

@@ -62,7 +62,7 @@ struct Cell {
 }
 
 /// What was found of a cell.
-struct Look {
+struct BoundedCell {
     bound: f64,
     seen: f64,
     place: Vec3,
@@ -89,31 +89,31 @@ fn farthest(pieces: &[Piece], ground: &Ground, tolerance: f64, control: &Control
             break;
         }
         let far = out.seen;
-        let looks: Vec<(Cell, Option<Look>)> = open
+        let bounded: Vec<(Cell, Option<BoundedCell>)> = open
             .par_iter()
-            .map(|c| (*c, pieces[c.piece].is_used(&c.box_).then(|| look(c, pieces, ground, far))))
+            .map(|c| (*c, pieces[c.piece].is_used(&c.box_).then(|| bound_cell(c, pieces, ground, far))))
             .collect();
-        for look in looks.iter().filter_map(|l| l.1.as_ref()) {
-            if look.seen > out.seen {
-                (out.seen, out.place) = (look.seen, look.place);
+        for found in bounded.iter().filter_map(|l| l.1.as_ref()) {
+            if found.seen > out.seen {
+                (out.seen, out.place) = (found.seen, found.place);
             }
         }
         let goal = out.seen * (1.0 + EXCESS.0) + EXCESS.1 * tolerance;
         open = Vec::new();
-        for (cell, look) in looks {
-            let Some(look) = look else { continue };
-            let known = look.bound.min(cell.bound);
-            let enough = if look.alone { goal.max(ALONE * tolerance) } else { goal };
+        for (cell, found) in bounded {
+            let Some(found) = found else { continue };
+            let known = found.bound.min(cell.bound);
+            let enough = if found.alone { goal.max(ALONE * tolerance) } else { goal };
             if known <= enough || cell.depth == DEPTH {
                 bound = bound.max(known);
                 continue;
             }
-            let d = usize::from(look.share[1] > look.share[0]);
+            let d = usize::from(found.share[1] > found.share[0]);
             let m = cell.box_[d].mid();
             for k in 0..2 {
                 let mut box_ = cell.box_;
                 box_[d] = if k == 0 { Interval { hi: m, ..box_[d] } } else { Interval { lo: m, ..box_[d] } };
-                open.push(Cell { box_, depth: cell.depth + 1, near: look.foot, bound: known, ..cell });
+                open.push(Cell { box_, depth: cell.depth + 1, near: found.foot, bound: known, ..cell });
             }
         }
     }
@@ -123,11 +123,11 @@ fn farthest(pieces: &[Piece], ground: &Ground, tolerance: f64, control: &Control
     out
 }
 
-fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
+fn bound_cell(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> BoundedCell {
     let piece = &pieces[cell.piece];
     let middle = cell.box_.map(Interval::mid);
     let place = piece.point(middle);
-    let nothing = Look { bound: f64::INFINITY, seen: 0.0, place, foot: None, share: [1.0, 0.0], alone: false };
+    let nothing = BoundedCell { bound: f64::INFINITY, seen: 0.0, place, foot: None, share: [1.0, 0.0], alone: false };
     let Some(foot) = ground.foot(&place, cell.near.as_ref().or(piece.hint()), far) else { return nothing };
     let (x, y) = (cell.box_[0] - Interval::point(middle[0]), cell.box_[1] - Interval::point(middle[1]));
     let (over, middle_of) = (piece.over(&cell.box_), piece.at(middle));
@@ -144,13 +144,13 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
         Some((bounded, true)) => (by_place().filter(|p| p.bound < bounded.bound).unwrap_or(bounded), true),
         None => match by_place() {
             Some(place) => (place, true),
-            None => return Look { foot: Some(foot), alone: true, ..nothing },
+            None => return BoundedCell { foot: Some(foot), alone: true, ..nothing },
         },
     };
     let seen = if piece.holds(middle) { foot.distance } else { 0.0 };
     // What is no number is no bound.
     let bound = if bounded.bound >= 0.0 { bounded.bound } else { f64::INFINITY };
-    Look { bound, seen, place, foot: Some(foot), share: bounded.share, alone }
+    BoundedCell { bound, seen, place, foot: Some(foot), share: bounded.share, alone }
 }
 
 /// The bound by a linear map from the cell about a foot, and whether it passes the border of what counts; `None` where nothing

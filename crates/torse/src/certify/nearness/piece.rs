@@ -67,7 +67,7 @@ impl<'a> Piece<'a> {
     /// Whether a box may hold points that count.
     pub(super) fn is_used(&self, box_: &[Interval; 2]) -> bool {
         match &self.0 {
-            Kind::Surface { sides: Some(sides), .. } => sides.meet(box_) || self.holds(box_.map(Interval::mid)),
+            Kind::Surface { sides: Some(sides), .. } => sides.may_meet(box_) || self.holds(box_.map(Interval::mid)),
             _ => true,
         }
     }

@@ -66,7 +66,7 @@ impl<'a> Region<'a> {
 
     /// Whether all of a box is surely inside.
     pub fn contains(&self, box_: &[Interval; 2]) -> bool {
-        !self.sides.meet(box_) && self.sides.winding(box_.map(Interval::mid)) != 0
+        !self.sides.may_meet(box_) && self.sides.winding(box_.map(Interval::mid)) != 0
     }
 
     /// How far places of a box near the border are from what counts, by both parameters: `places` are the corners of a polygon in

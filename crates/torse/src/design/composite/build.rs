@@ -10,7 +10,7 @@ use crate::constraint::border::AtBorder;
 use crate::constraint::coplanarity::{InPlane, Unit};
 use crate::constraint::developability::{samples, KForm, NForm, StripPoints};
 use crate::constraint::distance::Distance;
-use crate::constraint::fairness::{across, along, greville};
+use crate::constraint::fairness::{across, differences, greville};
 use crate::constraint::handle::{OnPlane, Parallel, Vanish};
 use crate::constraint::proximity::Proximity;
 use crate::constraint::stencil::Stencil;
@@ -371,13 +371,13 @@ impl Builder<'_> {
         for (k, curve) in self.composite.curves.iter().enumerate() {
             let (g, points) = (greville(&curve.curve.knots), self.built.points[k].clone());
             for order in [2, 3] {
-                for s in along(&g, &points, order) {
+                for s in differences(&g, &points, order) {
                     let s = self.as_given(s);
                     self.add(Vanish::new(&s, self.options.fairness), role, "fairness", Item::Fairness);
                 }
             }
             let weight = self.options.smoothness * points.len() as f64;
-            for s in along(&g, &points, 2) {
+            for s in differences(&g, &points, 2) {
                 for d in 0..3 {
                     let row = s.0.iter().map(|t| (t.0 + d, t.1)).collect();
                     self.built.system.measure(weight, row);

@@ -2,7 +2,7 @@
 //! cones with parallel axes and equal openings or cylinders with parallel axes (osculating arc splines in the plane)
 //! \[LP98\].
 //!
-//! There (14) says nothing: every ruling of the first carrier, within bounds, begins a joining cone. The one after a
+//! There (14) says nothing: every ruling of the first cone, within bounds, begins a joining cone. The one after a
 //! given share of the rotation is taken.
 
 use super::{through, turn_to, Join, Osculating};
@@ -30,7 +30,7 @@ pub(super) fn leave_choice(first: &Osculating, second: &Osculating) -> bool {
     }
 }
 
-/// Joins of carriers whose join is not unique; none for others.
+/// Joins of cones whose join is not unique; none for others.
 pub(super) fn arc_joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
     match (first.shape, second.shape) {
         (Shape::Cone { distance: d1, cos_gamma: k1, sin_gamma: s1, .. }, Shape::Cone { distance: d2, .. })
@@ -64,7 +64,7 @@ pub(super) fn arc_joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
     }
 }
 
-/// Two circles in a plane that stand for carriers with parallel axes.
+/// Two circles in a plane that stand for cones with parallel axes.
 struct Planar<'a> {
     axis: Vec3,
     radii: [f64; 2],
@@ -130,7 +130,7 @@ mod tests {
     use crate::torse::g1_element::G1Element;
     use crate::torse::ruled_patch::StripJet;
 
-    fn carriers(jet: impl Fn(f64) -> StripJet, us: [f64; 4]) -> Vec<Osculating> {
+    fn cones(jet: impl Fn(f64) -> StripJet, us: [f64; 4]) -> Vec<Osculating> {
         us.map(jet).iter().map(|j| Osculating::of(&j.element().expect("element"), j)).collect()
     }
 
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn general_cylinders_get_planar_osculating_arc_splines() {
         let lift = |u: f64| [Vec3::new(u, u * u, 1.0), Vec3::new(1.0, 2.0 * u, 0.0), Vec3::new(0.0, 2.0, 0.0)];
-        check(&carriers(over_parabola(lift), US));
+        check(&cones(over_parabola(lift), US));
     }
 
     /// Rulings at equal slopes of `y = x³` on both sides of its inflection: neither a rotation to take a share of, nor
@@ -168,7 +168,7 @@ mod tests {
             let c = [Vec3::new(u, u.powi(3), 0.0), Vec3::new(1.0, 3.0 * u * u, 0.0), Vec3::new(0.0, 6.0 * u, 0.0)];
             StripJet { ends: [c, [c[0] + Vec3::z(), c[1], c[2]]] }
         };
-        let cones = carriers(jet, [-0.6, -0.3, 0.3, 0.6]);
+        let cones = cones(jet, [-0.6, -0.3, 0.3, 0.6]);
         let error = osculating_spline(&cones, &[], &ConeOptions::default()).expect_err("no chain").to_string();
         assert!(error.contains("elements 1 and 2") && error.contains("inflection"), "{error}");
     }
@@ -177,7 +177,7 @@ mod tests {
     fn general_cones_get_spherical_osculating_arc_splines() {
         // Half way to the vertex (0, 0, 4).
         let lift = |u: f64| [Vec3::new(0.5 * u, 0.5 * u * u, 2.0), Vec3::new(0.5, u, 0.0), Vec3::new(0.0, 1.0, 0.0)];
-        check(&carriers(over_parabola(lift), US));
+        check(&cones(over_parabola(lift), US));
     }
 
     #[test]
@@ -198,6 +198,6 @@ mod tests {
                 Vec3::new(0.0, 2.0, 0.0) + ddn * h,
             ]
         };
-        check(&carriers(over_parabola(lift), US));
+        check(&cones(over_parabola(lift), US));
     }
 }

@@ -111,15 +111,15 @@ fn step(sampled: &Sampled, f: &[usize; 3], walk: &mut Walk) -> Option<[usize; 2]
     Some(if sides(f).contains(&edge) { [edge[1], edge[0]] } else { edge })
 }
 
-/// A run of moves: from edge `first` to edge `last`.
-struct Run {
+/// A range of moves: from edge `first` to edge `last`.
+struct MoveRange {
     kind: Kind,
     first: usize,
     last: usize,
 }
 
-fn runs(sampled: &Sampled, walk: &Walk) -> Vec<Run> {
-    let mut out: Vec<Run> = Vec::new();
+fn move_ranges(sampled: &Sampled, walk: &Walk) -> Vec<MoveRange> {
+    let mut out: Vec<MoveRange> = Vec::new();
     for (k, &(side, straight)) in walk.moves.iter().enumerate() {
         let rest = 1 - side;
         let at = &sampled.at[walk.edges[k][rest]];
@@ -139,7 +139,7 @@ fn runs(sampled: &Sampled, walk: &Walk) -> Vec<Run> {
             {
                 r.last = k + 1;
             }
-            _ => out.push(Run { kind, first: k, last: k + 1 }),
+            _ => out.push(MoveRange { kind, first: k, last: k + 1 }),
         }
     }
     out
@@ -148,7 +148,7 @@ fn runs(sampled: &Sampled, walk: &Walk) -> Vec<Run> {
 /// A closed walk turned so that it begins where two runs meet, or else where a piece begins.
 fn turned(sampled: &Sampled, walk: &mut Walk) {
     let n = walk.moves.len();
-    let found = runs(sampled, walk);
+    let found = move_ranges(sampled, walk);
     let whole = |k: &usize| sampled.at[walk.edges[*k][0]].parameter.fract() == 0.0;
     let start = if found.len() > 1 { found[1].first } else { (0..n).find(whole).unwrap_or(0) };
     walk.edges.truncate(n);
@@ -166,7 +166,7 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
     if closed {
         turned(sampled, &mut walk);
     }
-    let found = runs(sampled, &walk);
+    let found = move_ranges(sampled, &walk);
     let rails = [0, 1].map(|d| sampled.at[walk.edges[0][d]].rail);
     let mut stations: Vec<[f64; 2]> = Vec::new();
     let mut joints = Vec::new();
@@ -287,7 +287,7 @@ fn border(
     facets: &[[OnRail; 3]],
     walk: &Walk,
     edge: usize,
-    [before, after]: [Option<&Run>; 2],
+    [before, after]: [Option<&MoveRange>; 2],
     end: End,
 ) -> [f64; 2] {
     let rails = sampled.rails;
@@ -339,12 +339,12 @@ fn border(
     between(sampled, e, 0)
 }
 
-fn smooth_beside(beside: &[Option<&Run>; 2]) -> bool {
+fn smooth_beside(beside: &[Option<&MoveRange>; 2]) -> bool {
     beside.iter().flatten().any(|r| r.kind == Kind::Smooth)
 }
 
 /// The ruling from a corner on one side at which a smooth run begins or ends: in the plane of the run's tangent at the corner.
-fn from_corner(sampled: &Sampled, walk: &Walk, edge: usize, beside: [Option<&Run>; 2], rest: usize) -> [f64; 2] {
+fn from_corner(sampled: &Sampled, walk: &Walk, edge: usize, beside: [Option<&MoveRange>; 2], rest: usize) -> [f64; 2] {
     let rails = sampled.rails;
     let e = walk.edges[edge];
     let ends = e.map(|i| place(sampled, i));

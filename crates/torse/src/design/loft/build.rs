@@ -93,14 +93,14 @@ pub fn follow(
     options: &BuildOptions,
     control: &Control,
 ) -> Result<Vec<BuiltStrip>, LoftError> {
-    along(rails, &branch.stations, branch.closed, options, control)
+    strips_along_path(rails, &branch.stations, branch.closed, options, control)
 }
 
 /// Strips along any path of rulings, both parameters (of the tracks) not decreasing.
 ///
 /// # Errors
 /// As [`follow`].
-pub fn along(
+pub fn strips_along_path(
     [a, b]: [&Rail; 2],
     stations: &[[f64; 2]],
     closed: bool,

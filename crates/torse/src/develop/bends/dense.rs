@@ -7,7 +7,7 @@
 //! their distance (docs/algorithms/refold.md).
 //! *Not guaranteed*: any distance. What comes of the lines is proven when the part is bent back.
 
-use super::course::{Course, Line};
+use super::turn_profile::{Line, TurnProfile};
 use super::BendSpacing;
 use crate::develop::between::{Between, LineSide};
 use crate::geom::{Vec2, Vec3};
@@ -29,7 +29,7 @@ pub(crate) struct Ruling {
     pub radii: [f64; 2],
 }
 
-/// A ruling at a place of a course; `true` for what lies behind it where two pieces join.
+/// A ruling at a place of a profile; `true` for what lies behind it where two pieces join.
 pub(crate) type Exact<'a> = dyn Fn(&Line, bool) -> Option<Ruling> + 'a;
 
 /// Rounds of new lines at most: each halves stretches.
@@ -49,7 +49,7 @@ const BEYOND: f64 = 4.0;
 
 /// Lines with those that are needed between them.
 pub(crate) fn dense<K: Copy>(
-    course: &Course<K>,
+    profile: &TurnProfile<K>,
     mut lines: Vec<Line>,
     spacing: &BendSpacing,
     size: f64,
@@ -60,7 +60,7 @@ pub(crate) fn dense<K: Copy>(
     }
     let near = NEARER * spacing.least * size;
     for _ in 0..ROUNDS {
-        let gaps = gaps(course, &lines, size, exact);
+        let gaps = gaps(profile, &lines, size, exact);
         let whole: f64 = gaps.iter().map(|g| g.left).sum();
         if whole <= spacing.within || lines.len() >= MOST {
             break;
@@ -68,8 +68,8 @@ pub(crate) fn dense<K: Copy>(
         let even = EVEN * spacing.within / gaps.len() as f64;
         let more: Vec<Line> = gaps
             .iter()
-            .filter(|g| g.left > even && course.length_between(g.ends) > 2.0 * near)
-            .map(|g| course.halfway(g.ends))
+            .filter(|g| g.left > even && profile.length_between(g.ends) > 2.0 * near)
+            .map(|g| profile.halfway(g.ends))
             .collect();
         if more.is_empty() {
             break;
@@ -77,25 +77,25 @@ pub(crate) fn dense<K: Copy>(
         lines.extend(more);
         lines.sort_by(|a, b| a.place().total_cmp(&b.place()));
     }
-    course.parted(lines, size)
+    profile.parted(lines, size)
 }
 
 /// What lies between two lines, or between one and an end of the part.
 struct Gap {
-    /// Places on the course.
+    /// Places on the profile.
     ends: [f64; 2],
     /// By how much it moves the rest of the part, mm.
     left: f64,
 }
 
-fn gaps<K: Copy>(course: &Course<K>, lines: &[Line], size: f64, exact: &Exact) -> Vec<Gap> {
+fn gaps<K: Copy>(profile: &TurnProfile<K>, lines: &[Line], size: f64, exact: &Exact) -> Vec<Gap> {
     let mut out = Vec::with_capacity(lines.len() + 1);
     let rulings: Vec<[Option<Ruling>; 2]> = lines.iter().map(|l| [false, true].map(|b| exact(l, b))).collect();
     let stretch = |k: usize| -> Option<Stretch> {
         let (a, b) = (rulings.get(k)?[1].as_ref()?, rulings.get(k + 1)?[0].as_ref()?);
-        Stretch::new(a, b, course.turn_between(&lines[k], &lines[k + 1]))
+        Stretch::new(a, b, profile.turn_between(&lines[k], &lines[k + 1]))
     };
-    let [first, last] = [course.end(false), course.end(true)];
+    let [first, last] = [profile.end(false), profile.end(true)];
     let tip = |end: &Line, k: usize, behind: bool| -> f64 {
         let Some(ruling) = exact(end, !behind) else { return 0.0 };
         // A single line tells of no change.

@@ -4,15 +4,15 @@
 //! equal turns, but no nearer and no farther than asked for, and none where the sheet is flat. Where the part is to be kinked
 //! on a press brake, lines are the kinks (docs/algorithms/shop.md, "Facets").
 
-mod course;
 mod dense;
+mod turn_profile;
 
 use crate::geom::{Vec2, Vec3};
 use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::pattern::Bend;
 use crate::spline::surface::Surface;
-pub(crate) use course::{Course, Line};
 pub(crate) use dense::{dense, Ruling};
+pub(crate) use turn_profile::{Line, TurnProfile};
 
 /// How far apart rulings are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -42,7 +42,7 @@ enum Map {
 
 /// A panel with its place in the plane.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct PlacedPanel {
     /// The panel.
     pub panel: PanelPatch,
     map: Map,
@@ -102,7 +102,7 @@ impl BorderPiece {
 #[derive(Clone, Debug)]
 pub struct Atlas {
     /// The panels.
-    pub sheets: Vec<Sheet>,
+    pub sheets: Vec<PlacedPanel>,
     mirrored: bool,
     motion: Motion,
     /// Largest distance (mm) between corners of the panels and those of the outline as drawn; of the outline's joints from
@@ -211,7 +211,7 @@ fn has_tip(surface: &Surface) -> bool {
     a.min(b) < TIP * a.max(b)
 }
 
-impl Sheet {
+impl PlacedPanel {
     fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
         let edge = if has_tip(&panel.surface) { 0.0 } else { EDGE };
         let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new(), edge };
@@ -360,7 +360,7 @@ impl Atlas {
     /// # Errors
     /// Patches that are not regular, panels that share no ruling with those before them.
     pub fn developed(panels: Vec<PanelPatch>, beside: f64) -> Result<Self, AtlasError> {
-        let mut sheets: Vec<Sheet> = Vec::new();
+        let mut sheets: Vec<PlacedPanel> = Vec::new();
         let size = panels.iter().map(|p| p.surface.bbox().diagonal()).fold(0.0, f64::max);
         for panel in panels {
             let map = |side: f64| {
@@ -372,23 +372,23 @@ impl Atlas {
             };
             if sheets.is_empty() {
                 let map = map(1.0)?;
-                sheets.push(Sheet::new(panel, map, Motion::identity()));
+                sheets.push(PlacedPanel::new(panel, map, Motion::identity()));
                 continue;
             }
             let joint = sheets.iter().enumerate().rev().find_map(|(k, s)| Some((k, common(&s.panel, &panel, size)?)));
             let Some((k, [there, here])) = joint else { return Err(AtlasError::Apart(panel.name)) };
             let to = there.map(|uv| sheets[k].own_flat(uv));
-            let across = |s: &Sheet| {
+            let across = |s: &PlacedPanel| {
                 let l: Vec<Vec2> = s.flat.iter().flatten().copied().collect();
                 (to[1] - to[0]).perp(&(l.iter().sum::<Vec2>() / l.len() as f64 - to[0]))
             };
             // Seen from the same side the neighbours lie on both sides of the ruling.
             let mut laid = None;
             for side in [1.0, -1.0] {
-                let sheet = Sheet::new(panel.clone(), map(side)?, Motion::identity());
+                let sheet = PlacedPanel::new(panel.clone(), map(side)?, Motion::identity());
                 let from = here.map(|uv| sheet.own_flat(uv));
                 let Some(own) = Motion::between(from, to) else { continue };
-                let sheet = Sheet::new(panel.clone(), sheet.map, own);
+                let sheet = PlacedPanel::new(panel.clone(), sheet.map, own);
                 if across(&sheet) * across(&sheets[k]) < 0.0 {
                     laid = Some(sheet);
                     break;
@@ -425,11 +425,11 @@ impl Atlas {
         let sheets = piece
             .faces
             .into_iter()
-            .map(|p| Sheet::new(of_face(&faces[p.face]), Map::Charted(Box::new(p.chart)), p.motion));
+            .map(|p| PlacedPanel::new(of_face(&faces[p.face]), Map::Charted(Box::new(p.chart)), p.motion));
         Self::of(sheets.collect())
     }
 
-    fn of(sheets: Vec<Sheet>) -> Result<Self, AtlasError> {
+    fn of(sheets: Vec<PlacedPanel>) -> Result<Self, AtlasError> {
         match sheets.is_empty() {
             true => Err(AtlasError::Empty),
             false => Ok(Self { sheets, mirrored: false, motion: Motion::identity(), alignment: f64::NAN }),
@@ -465,7 +465,7 @@ impl Atlas {
     pub fn from_flat(&self, q: &Vec2) -> Option<OnPanel> {
         let own = self.moved_back(q);
         let size = self.size();
-        let order = |s: &Sheet| if inside(&s.flat, &own) { 0.0 } else { distance(&s.flat, &own) };
+        let order = |s: &PlacedPanel| if inside(&s.flat, &own) { 0.0 } else { distance(&s.flat, &own) };
         let mut near: Vec<(f64, usize)> = self.sheets.iter().map(order).zip(0..).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (_, sheet) = *near.first()?;

@@ -184,7 +184,7 @@ impl FlatPart {
             for (d, m, r, s) in all[i + 1..].iter().take_while(|o| o.2.x.min(o.3.x) <= right) {
                 let n = self.loops[*c].len();
                 let beside = c == d && (k == m || (k + 1) % n == *m || (m + 1) % n == *k);
-                if !beside && meet([p, q], [r, s]) {
+                if !beside && segments_meet([p, q], [r, s]) {
                     return Err(RefoldError::Outline { contour: c.max(d) + 1, x: p.x, y: p.y });
                 }
             }
@@ -246,7 +246,7 @@ fn windings(loops: &[Vec<Vec2>], x: &Vec2) -> i32 {
 }
 
 /// Whether two segments have a point in common.
-fn meet(a: [&Vec2; 2], b: [&Vec2; 2]) -> bool {
+fn segments_meet(a: [&Vec2; 2], b: [&Vec2; 2]) -> bool {
     let side = |o: [&Vec2; 2], x: &Vec2| (o[1] - o[0]).perp(&(x - o[0]));
     let (p, q) = (side(a, b[0]) * side(a, b[1]), side(b, a[0]) * side(b, a[1]));
     let apart =

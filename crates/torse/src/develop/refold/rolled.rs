@@ -5,10 +5,10 @@
 //! rulings are laid as over a part that bends about one family. The lines of a face stand for equal turns, so that the turn up to
 //! its first line and behind its last one are known: what the family gives there is brought to these.
 
-use super::course::rulings;
 use super::cut::{cut, Region};
 use super::drawn::{foot, inside, sides, FlatPart, SheetRow};
 use super::lines::whole_lines;
+use super::one_family::rulings;
 use super::zone::{lines_of, middles, Line, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;
 use crate::geom::segment::same_segment;

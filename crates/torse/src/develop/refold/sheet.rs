@@ -6,10 +6,10 @@
 //! radius, in one away from the eye that and the thickness, while the drawing has the length of the neutral fibre. Where the
 //! outside of a sharp bend is drawn, the skin is longer than the drawing: both regions go on beyond the line to their edge.
 
-use super::course::plane_ribbon;
 use super::cut::{cut, Region};
 use super::drawn::{area, crossings, inside, FlatPart};
 use super::leaf::{Leaf, Refolded};
+use super::one_family::plane_ribbon;
 use super::rolled::{is_rolled, rolled, Chord};
 use super::zone::{round, thickness, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;

@@ -130,11 +130,11 @@ pub(super) fn round(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<O
         false => stretches(part, &edges[end], (&lines[beside], sharp)),
     });
     let inner = if sharp { Vec::new() } else { middles(&lines) };
-    Ok(Some((Zone { edges, strips: even(&lined, turn, stretch), inner, turn, beyond }, chords)))
+    Ok(Some((Zone { edges, strips: equal_strips(&lined, turn, stretch), inner, turn, beyond }, chords)))
 }
 
 /// Strips between lines that each turn alike; skins are `stretch` times as long as what is drawn, across.
-fn even(lines: &[Line], turn: f64, stretch: f64) -> Vec<Strip> {
+fn equal_strips(lines: &[Line], turn: f64, stretch: f64) -> Vec<Strip> {
     let mut flat = vec![Pose::flat(lines[0].0, lines[0].1)];
     for (to, way) in &lines[1..] {
         // The point across, so that parallel edges need no way along.

@@ -52,7 +52,7 @@ enum Image<'a> {
 }
 
 /// A panel and its map.
-struct Sheet<'a> {
+struct MappedPanel<'a> {
     patch: &'a Surface,
     image: Image<'a>,
     /// Rulings at which it begins and ends.
@@ -63,7 +63,7 @@ struct Sheet<'a> {
 
 /// A part with its maps.
 pub struct Laid<'a> {
-    sheets: Vec<Sheet<'a>>,
+    sheets: Vec<MappedPanel<'a>>,
     mirrored: bool,
     size: f64,
 }
@@ -106,24 +106,24 @@ impl<'a> Laid<'a> {
             return None;
         }
         let (patch, range) = (&panel.strip.patch, ClippedRulings::new(panel).range());
-        let sheet = Sheet::new(patch, Image::Charted(chart), patch.knots_u.domain(), range, STATIONS.0);
+        let sheet = MappedPanel::new(patch, Image::Charted(chart), patch.knots_u.domain(), range, STATIONS.0);
         let laid = Self { sheets: vec![sheet], mirrored: false, size: pattern.length.max(pattern.area.sqrt()) };
         pattern.rulings.iter().all(|[a, b]| laid.spot(&((a + b) * 0.5)).is_some()).then_some(laid)
     }
 
     /// A trimmed panel, and where its outline begins.
-    fn trimmed(patchwork: &'a Patchwork, panel: &'a Panel) -> Option<(Vec<Sheet<'a>>, Vec<Vec2>)> {
+    fn trimmed(patchwork: &'a Patchwork, panel: &'a Panel) -> Option<(Vec<MappedPanel<'a>>, Vec<Vec2>)> {
         let start = panel.loops().first()?.iter().find(|r| !r.is_point())?.trim.control.first().copied()?;
         let (development, _) = developed(patchwork, panel).ok()?;
         let first = development.map(start[0], start[1]);
         let range = ClippedRulings::new(panel).range();
         let domain = development.domain();
         let image = Image::Developed(Box::new(development), Motion::identity());
-        Some((vec![Sheet::new(&panel.strip.patch, image, domain, range, STATIONS.0)], vec![first]))
+        Some((vec![MappedPanel::new(&panel.strip.patch, image, domain, range, STATIONS.0)], vec![first]))
     }
 
     /// A chain of whole strips, with its first corner and those of its last ruling.
-    fn chain(panels: &'a [Panel], index: usize, side: f64) -> Option<(Vec<Sheet<'a>>, Vec<Vec2>)> {
+    fn chain(panels: &'a [Panel], index: usize, side: f64) -> Option<(Vec<MappedPanel<'a>>, Vec<Vec2>)> {
         let strips: Vec<&Strip> = panels.iter().map(|p| &p.strip).collect();
         let laid = strip::lay(&strips, index, side).ok()?;
         let (first, last) = (laid.first()?, laid.last()?);
@@ -134,7 +134,7 @@ impl<'a> Laid<'a> {
             let (turn, shift) = l.motion();
             let domain = l.development.domain();
             let image = Image::Developed(Box::new(l.development), Motion { turn, shift });
-            Sheet::new(&l.strip.patch, image, domain, l.strip.domain(), each)
+            MappedPanel::new(&l.strip.patch, image, domain, l.strip.domain(), each)
         });
         Some((sheets.collect(), corners))
     }
@@ -248,7 +248,7 @@ impl<'a> Laid<'a> {
     }
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> MappedPanel<'a> {
     fn new(patch: &'a Surface, image: Image<'a>, (a, b): (f64, f64), range: (f64, f64), stations: usize) -> Self {
         let mut out = Self { patch, image, range, rows: Vec::new() };
         let more = BEYOND * (range.1 - range.0);

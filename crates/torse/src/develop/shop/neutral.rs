@@ -89,13 +89,13 @@ const DIFFERENCE: f64 = 1e-3;
 
 /// A moved stretch of an outline between two corners: cubic pieces through moved points with their tangents, over the
 /// length of the outline as it was.
-struct MovedRun {
+struct MovedStretch {
     knots: Vec<f64>,
     points: Vec<Vec2>,
     tangents: Vec<Vec2>,
 }
 
-impl MovedRun {
+impl MovedStretch {
     fn of(pieces: &[(Vec2, Vec2, f64)], shift: &dyn Fn(&Vec2) -> Vec2) -> Self {
         let mut out = Self { knots: Vec::new(), points: Vec::new(), tangents: Vec::new() };
         let mut start = 0.0;
@@ -133,7 +133,7 @@ impl MovedRun {
     }
 }
 
-impl PlaneCurve for MovedRun {
+impl PlaneCurve for MovedStretch {
     fn place(&self, s: f64) -> Vec2 {
         let (k, x) = self.locate(s);
         let h = self.knots[k + 1] - self.knots[k];
@@ -194,7 +194,7 @@ pub(crate) fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tole
         .map(|c| {
             let mut vertices = Vec::new();
             for run in runs(c) {
-                let (pieces, off) = arcs(&MovedRun::of(&run, &shift), tolerance);
+                let (pieces, off) = arcs(&MovedStretch::of(&run, &shift), tolerance);
                 error = error.max(off);
                 vertices.extend(pieces.iter().enumerate().map(|(k, p)| ContourVertex {
                     point: p.point,

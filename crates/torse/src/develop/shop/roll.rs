@@ -38,14 +38,14 @@ pub(in crate::develop) fn outlines(pattern: &Pattern, size: f64) -> Vec<Vec<Vec2
 /// *Input*: a part with its maps, seen from the side of its pattern. *Measured, not proven.*
 pub fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
     let loops = outlines(pattern, laid.size());
-    let course = Course::of(laid, &loops);
-    let Some(length) = course.last().map(|c| c.position).filter(|l| *l > 0.0) else { return Vec::new() };
+    let rulings = RulingOnTheWay::of(laid, &loops);
+    let Some(length) = rulings.last().map(|c| c.position).filter(|l| *l > 0.0) else { return Vec::new() };
     let up = up(laid, pattern);
     let mut out = Vec::new();
     for k in 0..=PARTS {
         let at = length * k as f64 / PARTS as f64;
-        let i = course.partition_point(|c| c.position < at).clamp(1, course.len() - 1);
-        let (a, b) = (&course[i - 1], &course[i]);
+        let i = rulings.partition_point(|c| c.position < at).clamp(1, rulings.len() - 1);
+        let (a, b) = (&rulings[i - 1], &rulings[i]);
         let share = if b.position > a.position { (at - a.position) / (b.position - a.position) } else { 1.0 };
         let (sheet, t) = if a.sheet == b.sheet { (a.sheet, a.t + (b.t - a.t) * share) } else { (b.sheet, b.t) };
         let pieces = laid.inside(sheet, t, &loops);
@@ -95,7 +95,7 @@ fn curvature_sign(laid: &Laid, spot: &Spot) -> f64 {
 }
 
 /// A ruling on the way along a part.
-pub(super) struct Course {
+pub(super) struct RulingOnTheWay {
     pub sheet: usize,
     pub t: f64,
     /// Way from the first ruling, mm.
@@ -104,7 +104,7 @@ pub(super) struct Course {
     pub turn: f64,
 }
 
-impl Course {
+impl RulingOnTheWay {
     /// Rulings of a part that meet its outline, in order.
     pub(super) fn of(laid: &Laid, loops: &[Vec<Vec2>]) -> Vec<Self> {
         let mut out: Vec<Self> = Vec::new();

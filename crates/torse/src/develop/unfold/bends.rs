@@ -4,7 +4,7 @@ use super::chart::{FlatRuling, Stretch};
 use super::region::{Region, POINT};
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
-use crate::brep::carrier::Carrier;
+use crate::brep::recognised_surface::RecognisedSurface;
 use crate::develop::bends::{kept_low, BendSpacing, Facets, Lines};
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
@@ -97,7 +97,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>,
     let mut out: Vec<SheetBend> = Vec::new();
     let near = (CHORD * tolerance).max(CURVED * ONE_LINE * body.size);
     for placed in &piece.faces {
-        if matches!(body.carriers[placed.face], Carrier::Plane(_)) {
+        if matches!(body.recognised[placed.face], RecognisedSurface::Plane(_)) {
             continue;
         }
         for bend in of_face(body, piece, placed, (thickness, facets), near) {
@@ -131,7 +131,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>,
             allowance: fold.allowance,
             length: 0.0,
             order: 0,
-            edges: vec![body.halves[h].run.entity].into_iter().filter(|e| *e > 0).collect(),
+            edges: vec![body.halves[h].stretch.entity].into_iter().filter(|e| *e > 0).collect(),
             level: level.unwrap_or(0),
         };
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
@@ -222,7 +222,7 @@ fn of_face(
     near: f64,
 ) -> Vec<SheetBend> {
     let turn = placed.chart.turn();
-    let cylinder = matches!(body.carriers[placed.face], Carrier::Cylinder { .. });
+    let cylinder = matches!(body.recognised[placed.face], RecognisedSurface::Cylinder { .. });
     let between = body.of_face(placed.face).filter(|h| piece.inner.contains(h) && is_plane(body, *h)).count();
     let narrow = if thickness > 0.0 { placed.inside_radius <= ROLLED * thickness } else { between > 1 };
     let kind = match cylinder && narrow && between > 0 {
@@ -365,7 +365,7 @@ fn sense(hollow: bool) -> BendSense {
 
 /// Whether the face beyond a run is plane.
 fn is_plane(body: &Body, half: usize) -> bool {
-    body.beyond(half).is_some_and(|g| matches!(body.carriers[g], Carrier::Plane(_)))
+    body.beyond(half).is_some_and(|g| matches!(body.recognised[g], RecognisedSurface::Plane(_)))
 }
 
 #[cfg(test)]

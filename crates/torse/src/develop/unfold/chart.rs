@@ -8,17 +8,17 @@
 //! shorter or longer by δ times it. In a sheet δ follows from K at the inside radius of each ruling, half way along it, and changes
 //! sides where the bend does: inflections are ends of steps, too.
 
-mod along;
+mod fibre_depth;
 mod strips;
 
 use super::allowance::Fibre;
-use crate::brep::carrier::{bounds, outward, rulings, Carrier};
 use crate::brep::face::Face;
 use crate::brep::project::SurfaceProjector;
+use crate::brep::recognised_surface::{bounds, outward, rulings, RecognisedSurface};
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};
 use crate::spline::surface::Surface;
-pub(super) use along::Stretch;
+pub(super) use fibre_depth::Stretch;
 use std::f64::consts::{PI, TAU};
 
 /// A face's map to the plane.
@@ -158,17 +158,17 @@ const EDGE: f64 = 1e-6;
 const STEPS: usize = 96;
 
 impl Chart {
-    /// The map of a face on its carrier, `depth` (mm) below its outward side; `None` for faces that are not developable and
+    /// The map of a face on its surface, `depth` (mm) below its outward side; `None` for faces that are not developable and
     /// where the depth exceeds the radius.
-    pub fn of(face: &Face, carrier: &Carrier, depth: f64) -> Option<Self> {
-        Self::in_sheet(face, carrier, &Fibre::fixed(depth))
+    pub fn of(face: &Face, recognised: &RecognisedSurface, depth: f64) -> Option<Self> {
+        Self::in_sheet(face, recognised, &Fibre::fixed(depth))
     }
 
     /// The same for the neutral fibre of a sheet; of a cone it has the depth of its middle.
-    pub fn in_sheet(face: &Face, carrier: &Carrier, fibre: &Fibre) -> Option<Self> {
-        let kind = match carrier {
-            Carrier::Plane(frame) => Kind::Plane(*frame),
-            Carrier::Cylinder { frame, radius } => {
+    pub fn in_sheet(face: &Face, recognised: &RecognisedSurface, fibre: &Fibre) -> Option<Self> {
+        let kind = match recognised {
+            RecognisedSurface::Plane(frame) => Kind::Plane(*frame),
+            RecognisedSurface::Cylinder { frame, radius } => {
                 let (sign, angles) = round(face, frame)?;
                 let depth = fibre.depth(*radius, sign < 0.0);
                 let neutral = radius - sign * depth;
@@ -177,24 +177,24 @@ impl Chart {
                 }
                 Kind::Round { frame: *frame, sign, angles, half_angle: 0.0, radius: *radius, neutral }
             }
-            Carrier::Cone { frame, half_angle } => {
+            RecognisedSurface::Cone { frame, half_angle } => {
                 let (sign, angles) = round(face, frame)?;
-                let depth = fibre.depth(middle_radius(face, carrier), sign < 0.0);
+                let depth = fibre.depth(middle_radius(face, recognised), sign < 0.0);
                 let neutral = -sign * depth / half_angle.tan();
                 Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, radius: 0.0, neutral }
             }
-            Carrier::GeneralCylinder { .. } | Carrier::GeneralCone { .. } | Carrier::TangentSurface => {
-                Kind::Ruled(Box::new(Ruled::new(face, fibre)?))
-            }
-            Carrier::Curved(_) => return None,
+            RecognisedSurface::GeneralCylinder { .. }
+            | RecognisedSurface::GeneralCone { .. }
+            | RecognisedSurface::TangentSurface => Kind::Ruled(Box::new(Ruled::new(face, fibre)?)),
+            RecognisedSurface::Curved(_) => return None,
         };
         Some(Self { kind })
     }
 
     /// The map with strips in closed form where it has none as a whole, near the face by a small share of `tolerance` (mm).
-    pub fn in_strips(mut self, carrier: &Carrier, tolerance: f64) -> Self {
+    pub fn in_strips(mut self, recognised: &RecognisedSurface, tolerance: f64) -> Self {
         if let Kind::Ruled(r) = &mut self.kind {
-            r.strips = strips::strips(r, carrier, tolerance);
+            r.strips = strips::strips(r, recognised, tolerance);
         }
         self
     }
@@ -333,10 +333,10 @@ impl Chart {
 }
 
 /// Radius (mm) of a circular face, of a cone in the middle of its parameters; else infinite.
-pub(super) fn middle_radius(face: &Face, carrier: &Carrier) -> f64 {
-    match carrier {
-        Carrier::Cylinder { radius, .. } => *radius,
-        Carrier::Cone { half_angle, frame } => {
+pub(super) fn middle_radius(face: &Face, recognised: &RecognisedSurface) -> f64 {
+    match recognised {
+        RecognisedSurface::Cylinder { radius, .. } => *radius,
+        RecognisedSurface::Cone { half_angle, frame } => {
             let [u0, u1, v0, v1] = bounds(face);
             let p = frame.to_local(&face.surface.point(0.5 * (u0 + u1), 0.5 * (v0 + v1)));
             p.x.hypot(p.y) / half_angle.cos()
@@ -345,7 +345,7 @@ pub(super) fn middle_radius(face: &Face, carrier: &Carrier) -> f64 {
     }
 }
 
-/// Sign and angles of a face on a circular carrier.
+/// Sign and angles of a face on a circular surface.
 fn round(face: &Face, frame: &Frame) -> Option<(f64, Angles)> {
     let [u0, u1, v0, v1] = bounds(face);
     let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
@@ -582,7 +582,7 @@ impl Ruled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brep::carrier::carrier;
+    use crate::brep::recognised_surface::recognise;
     use crate::spline::knots::Knots;
 
     /// A profile of 40 chords of 2 mm that turn by 0.4° each about the y axis: a hollow of radius 286 mm, seen from above.
@@ -597,11 +597,11 @@ mod tests {
         let knots = |n: usize| Knots::clamped(1, &(0..=n).map(|k| k as f64).collect::<Vec<_>>()).expect("knots");
         let points: Vec<Vec3> = profile.iter().flat_map(|p| [*p, p + Vec3::y() * 50.0]).collect();
         let mut face = Face::untrimmed(Surface::new(knots(40), knots(1), &points, None).expect("a surface"));
-        let carrier = carrier(&face);
+        let recognised = recognise(&face);
         for (reversed, way) in [(false, 1.0), (true, -1.0)] {
             face.reversed = reversed;
             for depth in [0.0, 1.5] {
-                let chart = Chart::of(&face, &carrier, depth).expect("a chart").in_strips(&carrier, 0.01);
+                let chart = Chart::of(&face, &recognised, depth).expect("a chart").in_strips(&recognised, 0.01);
                 assert!((chart.turn() - 39.0 * turn).abs() < 1e-9);
                 let long = 80.0 + way * depth * 39.0 * turn;
                 let ends = [0.0, 40.0].map(|u| chart.flat(&face.surface.point(u, 0.0), Some([u, 0.0])));

@@ -38,7 +38,7 @@ struct Station {
 }
 
 /// A run in the plane.
-struct FlatRun<'a> {
+struct FlatStretch<'a> {
     body: &'a Body<'a>,
     placed: &'a Placed,
     half: usize,
@@ -47,10 +47,10 @@ struct FlatRun<'a> {
 /// Step for derivatives along a run: at 1e-5 rounding and the term left out are both some 1e-10 of the length.
 const STEP: f64 = 1e-5;
 
-impl PlaneCurve for FlatRun<'_> {
+impl PlaneCurve for FlatStretch<'_> {
     fn place(&self, s: f64) -> Vec2 {
         let h = &self.body.halves[self.half];
-        let (x, uv) = h.run.at(self.body.faces[h.face], s);
+        let (x, uv) = h.stretch.at(self.body.faces[h.face], s);
         self.placed.motion.apply(&self.placed.chart.flat(&x, Some(uv)))
     }
 
@@ -114,7 +114,7 @@ fn outline(body: &Body, piece: &Piece, halves: Vec<usize>, tolerance: f64) -> Ou
     let first = piece.place(body, halves[0], 0.0);
     for (number, &half) in halves.iter().enumerate() {
         let Some(placed) = piece.placed(body.halves[half].face) else { continue };
-        let run = FlatRun { body, placed, half };
+        let run = FlatStretch { body, placed, half };
         join(&mut stations, &mut error, (end, run.place(0.0)), (number, GAP * body.size));
         let (pieces, off) = whole_arc(&run, tolerance).unwrap_or_else(|| {
             let (pieces, off) = arcs(&run, tolerance);
@@ -162,7 +162,7 @@ fn to_bend_lines(body: &Body, piece: &Piece, halves: &[usize], stations: &mut [S
     let n = stations.len();
     let run = |number: usize| {
         let half = halves[number % halves.len()];
-        Some(FlatRun { body, placed: piece.placed(body.halves[half].face)?, half })
+        Some(FlatStretch { body, placed: piece.placed(body.halves[half].face)?, half })
     };
     for k in (0..n).filter(|_| n > 3) {
         let [before, bridge, after, next] = [n - 1, 0, 1, 2].map(|j| stations[(k + j) % n]);
@@ -222,7 +222,7 @@ fn straight_on(lines: Vec<((ContourVertex, Stroke), bool)>, gap: f64) -> (Vec<Co
 }
 
 /// Share of a run, from `from` on, where it passes nearest to a point of it.
-fn nearest(run: &FlatRun, x: &Vec2, from: f64) -> f64 {
+fn nearest(run: &FlatStretch, x: &Vec2, from: f64) -> f64 {
     /// Starts.
     const STARTS: usize = 64;
     let far = |s: f64| (run.place(s) - x).norm();
@@ -272,12 +272,12 @@ fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec
     let h = &body.halves[half];
     let face = piece.faces.iter().position(|p| p.face == h.face)?;
     let placed = &piece.faces[face];
-    let (curve, [from, to]) = h.run.curve()?;
+    let (curve, [from, to]) = h.stretch.curve()?;
     let along = |s: f64| at_share([from, to], curve.domain(), s);
     let strips = placed_strips(placed);
     if !strips.is_empty() {
         let at = |share: f64| {
-            let (x, uv) = h.run.at(body.faces[h.face], share);
+            let (x, uv) = h.stretch.at(body.faces[h.face], share);
             placed.chart.ruling_at(&x, uv)
         };
         let image = |(k, ends): (usize, [f64; 2])| {
@@ -296,7 +296,7 @@ fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec
         return Some(strip_parts(&strips, &at, ends)?.into_iter().map(image).collect());
     }
     let angle = |s: f64| {
-        let (x, uv) = h.run.at(body.faces[h.face], s);
+        let (x, uv) = h.stretch.at(body.faces[h.face], s);
         placed.chart.angle(&x, Some(uv)).unwrap_or(0.0)
     };
     let image = EdgeImage {
@@ -391,9 +391,9 @@ const INSIDE: f64 = 0.1;
 
 /// Both images of an inner edge: lines and arcs for one, and the same, after the move `gap` of a sharp bend, for the other.
 pub(super) fn joint(body: &Body, piece: &Piece, [half, twin]: [usize; 2], tolerance: f64) -> Option<JointImage> {
-    let run = |half: usize| Some(FlatRun { body, placed: piece.placed(body.halves[half].face)?, half });
+    let run = |half: usize| Some(FlatStretch { body, placed: piece.placed(body.halves[half].face)?, half });
     let (near, far) = (run(half)?, run(twin)?);
-    let vertices = |run: &FlatRun| whole_arc(run, tolerance).map(|v| v.0);
+    let vertices = |run: &FlatStretch| whole_arc(run, tolerance).map(|v| v.0);
     let vertices = vertices(&near).unwrap_or_else(|| {
         let (pieces, _) = arcs(&near, INSIDE * tolerance);
         pieces.iter().map(|p| ContourVertex { point: p.point, bulge: p.bulge, corner: false }).collect()
@@ -429,7 +429,7 @@ pub(super) fn joint(body: &Body, piece: &Piece, [half, twin]: [usize; 2], tolera
 const MOST_SWEEP: f64 = std::f64::consts::TAU / 3.0;
 
 /// A run that is one line or one circular arc, to what ten digits hold: as such.
-fn whole_arc(run: &FlatRun, tolerance: f64) -> Option<(Vec<ContourVertex>, f64)> {
+fn whole_arc(run: &FlatStretch, tolerance: f64) -> Option<(Vec<ContourVertex>, f64)> {
     /// Samples.
     const SAMPLES: usize = 24;
     /// Share of the tolerance within which the run must keep to the arc.

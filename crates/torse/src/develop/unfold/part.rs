@@ -8,8 +8,8 @@ use super::sheet::{open, sheet, Sheet, ALIKE};
 use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
-use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
+use crate::brep::recognised_surface::RecognisedSurface;
 use crate::develop::arcs::rectangle_around;
 use crate::develop::bends::Facets;
 use crate::develop::shop::thickness::Sheet as GivenSheet;
@@ -106,7 +106,7 @@ impl PartOptions {
 /// The flat parts of the faces of one body.
 ///
 /// *Input*: faces of one solid or sheet, mm. *Guarantee*: every face is in a part, an edge of the sheet, or named in
-/// `left`. Contours are closed, the outer one first and counter-clockwise. *Measured, not proven*: that carriers are
+/// `left`. Contours are closed, the outer one first and counter-clockwise. *Measured, not proven*: that surfaces are
 /// exact, that parts do not overlap themselves.
 pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyParts {
     let mut out = BodyParts::default();
@@ -204,7 +204,7 @@ fn groups(body: &Body, faces: &[usize]) -> Vec<Vec<usize>> {
             open = rest;
             k += 1;
         }
-        group.sort_by_key(|f| (body.carriers[*f].is_developable(), *f));
+        group.sort_by_key(|f| (body.recognised[*f].is_developable(), *f));
         out.push(group);
     }
     out
@@ -212,14 +212,14 @@ fn groups(body: &Body, faces: &[usize]) -> Vec<Vec<usize>> {
 
 /// Why a face is not part of a flat pattern.
 fn why(body: &Body, face: usize, found: &Sheet) -> Unlaid {
-    match &body.carriers[face] {
-        Carrier::Curved(d) => Unlaid::Curved {
+    match &body.recognised[face] {
+        RecognisedSurface::Curved(d) => Unlaid::Curved {
             twist_estimate: d.twist_estimate,
             curvature_estimate: d.curvature_estimate,
             strain_estimate: d.strain_estimate,
         },
-        c if found.thickness > 0.0 => Unlaid::Feature { carrier: c.name(), thickness: found.thickness },
-        c => Unlaid::Face { carrier: c.name() },
+        c if found.thickness > 0.0 => Unlaid::Feature { surface: c.name(), thickness: found.thickness },
+        c => Unlaid::Face { surface: c.name() },
     }
 }
 
@@ -271,7 +271,7 @@ fn part(
     let joints = pairs.into_iter().map(|edge| joint(body, piece, edge, tolerance).unwrap_or_else(|| unknown(edge)));
     let between = (0..piece.faces.len()).flat_map(|face| strip_joints(piece, face));
     let joints = joints.chain(between).collect();
-    let number = |c: &Cut| (body.halves[c.half].run.entity, c.reason);
+    let number = |c: &Cut| (body.halves[c.half].stretch.entity, c.reason);
     FlatPart {
         pattern,
         sheet: SheetPart {

@@ -69,7 +69,7 @@ impl Region {
                 loops.resize(half.lap + 1, Vec::new());
             }
             loops[half.lap].extend((0..POINTS).map(|k| {
-                let (x, uv) = half.run.at(body.faces[face], k as f64 / POINTS as f64);
+                let (x, uv) = half.stretch.at(body.faces[face], k as f64 / POINTS as f64);
                 chart.flat(&x, Some(uv))
             }));
         }

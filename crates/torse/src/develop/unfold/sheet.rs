@@ -9,8 +9,8 @@ use super::chart::Chart;
 use super::region::Region;
 use crate::brep::area::area_estimate;
 use crate::brep::body::{Body, SMOOTH};
-use crate::brep::carrier::{outward, Carrier};
 use crate::brep::project::SurfaceProjector;
+use crate::brep::recognised_surface::{outward, RecognisedSurface};
 use crate::geom::{Frame, Vec3};
 use std::collections::HashSet;
 
@@ -200,7 +200,7 @@ impl Sheet {
 
 /// All faces of an open body, as a sheet without thickness.
 pub fn open(body: &Body) -> Sheet {
-    let developable = |k: &usize| body.carriers[*k].is_developable();
+    let developable = |k: &usize| body.recognised[*k].is_developable();
     let (skin, others) = (0..body.faces.len()).partition(developable);
     Sheet {
         thickness: 0.0,
@@ -240,16 +240,17 @@ impl Partners {
 
 /// What lies opposite every face.
 fn opposite(body: &Body) -> Vec<Opposite> {
-    let charts: Vec<Option<Chart>> = body.faces.iter().zip(&body.carriers).map(|(f, c)| Chart::of(f, c, 0.0)).collect();
+    let charts: Vec<Option<Chart>> =
+        body.faces.iter().zip(&body.recognised).map(|(f, c)| Chart::of(f, c, 0.0)).collect();
     let regions: Vec<Option<Region>> =
         charts.iter().enumerate().map(|(k, c)| c.as_ref().map(|c| Region::of(body, k, c))).collect();
-    let projectors: Vec<Option<SurfaceProjector>> = (body.faces.iter().zip(&body.carriers))
+    let projectors: Vec<Option<SurfaceProjector>> = (body.faces.iter().zip(&body.recognised))
         .map(|(f, c)| (c.is_developable() && !is_elementary(c)).then(|| SurfaceProjector::new(&f.surface)))
         .collect();
     (0..body.faces.len())
         .map(|i| {
             let mut out = Opposite::default();
-            if !body.carriers[i].is_developable() {
+            if !body.recognised[i].is_developable() {
                 return out;
             }
             for uv in places(body, i) {
@@ -261,7 +262,7 @@ fn opposite(body: &Body) -> Vec<Opposite> {
                     let (Some(chart), Some(region)) = (&charts[j], &regions[j]) else { continue };
                     let distance = match &projectors[j] {
                         Some(p) => offset_of_spline(body, j, p, (&x, &n)),
-                        None => offset_of_elementary(&body.carriers[i], &body.carriers[j], chart.bulge(), (&x, &n)),
+                        None => offset_of_elementary(&body.recognised[i], &body.recognised[j], chart.bulge(), (&x, &n)),
                     };
                     let Some(d) = distance.filter(|d| *d > SAME_THICKNESS * SAME_THICKNESS * body.size) else {
                         continue;
@@ -277,8 +278,8 @@ fn opposite(body: &Body) -> Vec<Opposite> {
         .collect()
 }
 
-fn is_elementary(c: &Carrier) -> bool {
-    matches!(c, Carrier::Plane(_) | Carrier::Cylinder { .. } | Carrier::Cone { .. })
+fn is_elementary(c: &RecognisedSurface) -> bool {
+    matches!(c, RecognisedSurface::Plane(_) | RecognisedSurface::Cylinder { .. } | RecognisedSurface::Cone { .. })
 }
 
 /// Places inside a face, in its parameter plane.
@@ -288,21 +289,28 @@ fn places(body: &Body, face: usize) -> Vec<[f64; 2]> {
     Region::from_loops(loops).inner_points().into_iter().map(|p| [p.x, p.y]).collect()
 }
 
-/// Distance (mm) into the material from a point of a face with its outward normal to another elementary carrier, if the
+/// Distance (mm) into the material from a point of a face with its outward normal to another elementary surface, if the
 /// two are offsets of each other and look away from each other. `bulge` is that of the other.
-fn offset_of_elementary(a: &Carrier, b: &Carrier, bulge: f64, (x, n): (&Vec3, &Vec3)) -> Option<f64> {
+fn offset_of_elementary(
+    a: &RecognisedSurface,
+    b: &RecognisedSurface,
+    bulge: f64,
+    (x, n): (&Vec3, &Vec3),
+) -> Option<f64> {
     let coaxial = |f: &Frame, g: &Frame, allowed: f64| {
         f.z.cross(&g.z).norm() <= PARALLEL && f.z.cross(&(f.origin - g.origin)).norm() <= allowed
     };
     match (a, b) {
-        (Carrier::Plane(_), Carrier::Plane(g)) => ((n + g.z).norm() <= PARALLEL).then(|| (x - g.origin).dot(n)),
-        (Carrier::Cylinder { frame: f, radius: r }, Carrier::Cylinder { frame: g, radius: s }) => {
+        (RecognisedSurface::Plane(_), RecognisedSurface::Plane(g)) => {
+            ((n + g.z).norm() <= PARALLEL).then(|| (x - g.origin).dot(n))
+        }
+        (RecognisedSurface::Cylinder { frame: f, radius: r }, RecognisedSurface::Cylinder { frame: g, radius: s }) => {
             let q = f.to_local(x);
             let outside = f.vector_to_world(&crate::geom::Vec3::new(q.x, q.y, 0.0)).dot(n) > 0.0;
             let away = if outside { bulge < 0.0 } else { bulge > 0.0 };
             (coaxial(f, g, ECCENTRIC * (r - s).abs()) && away).then(|| if outside { r - s } else { s - r })
         }
-        (Carrier::Cone { frame: f, half_angle: p }, Carrier::Cone { frame: g, half_angle: q }) => {
+        (RecognisedSurface::Cone { frame: f, half_angle: p }, RecognisedSurface::Cone { frame: g, half_angle: q }) => {
             let local = f.to_local(x);
             let outside = f.vector_to_world(&crate::geom::Vec3::new(local.x, local.y, 0.0)).dot(n) > 0.0;
             let away = if outside { bulge < 0.0 } else { bulge > 0.0 };
@@ -353,7 +361,7 @@ fn frequent(opposite: &[Opposite], areas: &[f64]) -> Vec<[f64; 2]> {
 fn grown(body: &Body, start: usize, partners: &[Partners], thickness: f64) -> Vec<usize> {
     let usual = |d: f64| (d - thickness).abs() <= SAME_THICKNESS * thickness;
     // A bend with no radius inside has no inner face.
-    let around_edge = |c: &Carrier| matches!(c, Carrier::Cylinder { radius, .. } if usual(*radius));
+    let around_edge = |c: &RecognisedSurface| matches!(c, RecognisedSurface::Cylinder { radius, .. } if usual(*radius));
     let mut skin = vec![start];
     let mut across: HashSet<usize> = partners[start].faces.clone();
     let mut k = 0;
@@ -364,7 +372,7 @@ fn grown(body: &Body, start: usize, partners: &[Partners], thickness: f64) -> Ve
             let Some(g) = body.beyond(h).filter(|g| !skin.contains(g) && !across.contains(g)) else { continue };
             let touches = body.of_face(g).any(|e| body.beyond(e).is_some_and(|b| partners[f].faces.contains(&b)));
             let smooth = || body.meeting(h).is_some_and(|m| m.angle < SMOOTH);
-            let thinned = || !partners[g].faces.is_empty() || around_edge(&body.carriers[g]);
+            let thinned = || !partners[g].faces.is_empty() || around_edge(&body.recognised[g]);
             if !touches && (usual(partners[g].distance) || (thinned() && smooth())) {
                 skin.push(g);
                 across.extend(partners[g].faces.iter().copied());

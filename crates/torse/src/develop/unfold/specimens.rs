@@ -111,7 +111,7 @@ impl BentSheet {
     /// Along stretch i at line j.
     fn rail(&self, i: usize, j: usize, upper: bool, forward: bool) -> RawEdge {
         let (p, q) = (self.place(i, j, upper), self.place(i + 1, j, upper));
-        let path = match self.carrier(i, upper) {
+        let path = match self.cylinder(i, upper) {
             None => straight(p, q),
             Some((frame, radius, angle)) => {
                 let frame = Frame { origin: frame.origin + Vec3::y() * self.lines[j], ..frame };
@@ -123,7 +123,7 @@ impl BentSheet {
     }
 
     /// Frame (x towards the start, turning towards y to the end), radius and angle of a bend's side.
-    fn carrier(&self, i: usize, upper: bool) -> Option<(Frame, f64, f64)> {
+    fn cylinder(&self, i: usize, upper: bool) -> Option<(Frame, f64, f64)> {
         let Stretch::Bend(angle, inside) = self.stretches[i] else { return None };
         let s = &self.stations[i];
         let up = s.heading.cross(&Vec3::y());
@@ -141,7 +141,7 @@ impl BentSheet {
     }
 
     fn plane(&self, origin: Vec3, normal: Vec3, edges: Vec<RawEdge>) -> Face {
-        let support = SupportSurface::Plane(crate::brep::carrier::frame(origin, normal));
+        let support = SupportSurface::Plane(crate::brep::recognised_surface::frame(origin, normal));
         raw(support, SurfaceKind::Plane, true, vec![edges])
     }
 
@@ -170,7 +170,7 @@ impl BentSheet {
         if !upper {
             edges = edges.iter().rev().map(RawEdge::reversed).collect();
         }
-        match self.carrier(i, upper) {
+        match self.cylinder(i, upper) {
             None => {
                 let up = self.stations[i].heading.cross(&Vec3::y());
                 self.plane(self.place(i, j, upper), if upper { up } else { -up }, edges)

@@ -28,7 +28,7 @@ impl Joins {
     fn allow(&self, body: &Body, half: usize) -> bool {
         let is_named = |all: &[u64]| {
             let twin = body.halves[half].twin.unwrap_or(half);
-            [half, twin].iter().any(|h| all.contains(&body.halves[*h].run.entity))
+            [half, twin].iter().any(|h| all.contains(&body.halves[*h].stretch.entity))
         };
         let smooth = || body.meeting(half).is_some_and(|m| m.angle < SMOOTH);
         match self {
@@ -141,7 +141,7 @@ impl Piece {
     /// Place of a run's point in the piece.
     pub fn place(&self, body: &Body, half: usize, s: f64) -> Vec2 {
         let h = &body.halves[half];
-        let (x, uv) = h.run.at(body.faces[h.face], s);
+        let (x, uv) = h.stretch.at(body.faces[h.face], s);
         self.placed(h.face).map_or_else(Vec2::zeros, |p| p.motion.apply(&p.chart.flat(&x, Some(uv))))
     }
 }
@@ -244,7 +244,7 @@ fn foremost<T: Copy>(
 fn middle(body: &Body, face: usize) -> Vec3 {
     let mut around = BBox::empty();
     for h in body.of_face(face) {
-        [0.0, 0.5].iter().for_each(|s| around.include(&body.halves[h].run.at(body.faces[face], *s).0));
+        [0.0, 0.5].iter().for_each(|s| around.include(&body.halves[h].stretch.at(body.faces[face], *s).0));
     }
     (around.min + around.max) * 0.5
 }
@@ -258,15 +258,15 @@ impl Ready {
 }
 
 fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> {
-    let (f, carrier, t) = (body.faces[face], &body.carriers[face], options.thickness[face]);
-    let skin = Chart::of(f, carrier, 0.0)?;
+    let (f, recognised, t) = (body.faces[face], &body.recognised[face], options.thickness[face]);
+    let skin = Chart::of(f, recognised, 0.0)?;
     let hollow = hollow(body, face, &skin);
-    let radius = middle_radius(f, carrier);
+    let radius = middle_radius(f, recognised);
     let above = options.side.map_or(0.0, |side| side.extent(t)[1]);
     let fibre = Fibre { k: options.k.clone(), thickness: t, above };
     let inside_radius = fibre.inside(radius, hollow).max(0.0);
-    let chart = Chart::in_sheet(f, carrier, &fibre)?;
-    let chart = chart.in_strips(carrier, options.tolerance);
+    let chart = Chart::in_sheet(f, recognised, &fibre)?;
+    let chart = chart.in_strips(recognised, options.tolerance);
     let region = Region::of(body, face, &chart);
     let k = fibre.share(radius, hollow);
     let is_given = options.side.is_some();
@@ -283,7 +283,7 @@ const NO_ROOM: f64 = 1e-6;
 fn have_room(body: &Body, skin: &[usize], options: &UnfoldOptions) -> bool {
     let Some(side) = options.side else { return true };
     skin.iter().all(|&face| {
-        let Some(chart) = Chart::of(body.faces[face], &body.carriers[face], 0.0) else { return true };
+        let Some(chart) = Chart::of(body.faces[face], &body.recognised[face], 0.0) else { return true };
         let (region, thickness) = (Region::of(body, face, &chart), options.thickness[face]);
         let fibre = Fibre { k: options.k.clone(), thickness, above: side.extent(thickness)[1] };
         chart.rulings(LOOKS).iter().all(|r| {
@@ -299,7 +299,7 @@ fn hollow(body: &Body, face: usize, chart: &Chart) -> bool {
         return chart.bulge() < 0.0;
     }
     let f = body.faces[face];
-    let [u0, u1, v0, v1] = crate::brep::carrier::bounds(f);
+    let [u0, u1, v0, v1] = crate::brep::recognised_surface::bounds(f);
     let j = f.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
     let n = if f.reversed { -j.normal() } else { j.normal() };
     // The mean of both second derivatives bends towards the normal in a hollow.
@@ -372,14 +372,14 @@ fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&C
     let (near, far) = (&body.halves[h], &body.halves[twin]);
     let here = |s: f64| piece.place(body, h, s);
     let nearest = |x: &crate::geom::Vec3| {
-        let s = far.run.nearest(body.faces[far.face], x).0;
-        far.run.at(body.faces[far.face], s)
+        let s = far.stretch.nearest(body.faces[far.face], x).0;
+        far.stretch.at(body.faces[far.face], s)
     };
     let there = |x: &crate::geom::Vec3| {
         let (y, uv) = nearest(x);
         chart.flat(&y, Some(uv))
     };
-    let point = |s: f64| near.run.at(body.faces[near.face], s).0;
+    let point = |s: f64| near.stretch.at(body.faces[near.face], s).0;
     let closed = (point(0.0) - point(1.0)).norm() <= CONGRUENT * near.length;
     let last = if closed { 0.5 } else { 1.0 };
     // Of an edge that begins before the other one, as where a face ends beside its apex, what lies on both.
@@ -387,7 +387,7 @@ fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&C
         let (x, y) = (point(s), nearest(&point(s)).0);
         let short = (y - x).norm() > POINT * body.size;
         if short {
-            near.run.nearest(body.faces[near.face], &y).0
+            near.stretch.nearest(body.faces[near.face], &y).0
         } else {
             s
         }
@@ -423,8 +423,8 @@ fn close(body: &Body, piece: &mut Piece, cuts: &mut Vec<Cut>, options: &UnfoldOp
         let other = &body.halves[twin];
         let near = &body.halves[h];
         let apart = [0.0, 0.5, 1.0].into_iter().zip(here).map(|(s, p)| {
-            let x = near.run.at(body.faces[near.face], s).0;
-            let t = other.run.nearest(body.faces[other.face], &x).0;
+            let x = near.stretch.at(body.faces[near.face], s).0;
+            let t = other.stretch.nearest(body.faces[other.face], &x).0;
             (piece.place(body, twin, t) - p - gap).norm()
         });
         if apart.fold(0.0, f64::max) <= CONGRUENT * body.size {

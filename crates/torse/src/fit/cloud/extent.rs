@@ -5,7 +5,7 @@
 //! primal form of the main job).
 
 use super::estimates::Estimates;
-use crate::fit::near::power_form::{Guesses, Sheet};
+use crate::fit::near::power_form::{Guesses, PowerForm};
 use crate::fit::near::samples::{Fit, Sample};
 use crate::fit::near::{descent::RefitOptions, refit::refit};
 use crate::geom::Vec3;
@@ -63,14 +63,14 @@ pub(crate) fn polished(fit: &Fit, points: &[Vec3], tolerance: f64) -> Option<Fit
     // Points taken evenly, and the farthest ones.
     const EVEN: usize = 1500;
     const FAR: usize = 300;
-    let sheet = Sheet::of(&fit.torse)?;
-    let guesses = sheet.guesses();
+    let power_form = PowerForm::of(&fit.torse)?;
+    let guesses = power_form.guesses();
     let mut found: Vec<(f64, Sample)> = points
         .iter()
         .filter_map(|x| {
-            let q = sheet.local(x);
-            let t = sheet.foot(&q, guesses.guess(&q), sheet.domain())?;
-            let d = sheet.distance(&q, t).0.abs();
+            let q = power_form.local(x);
+            let t = power_form.foot(&q, guesses.guess(&q), power_form.domain())?;
+            let d = power_form.distance(&q, t).0.abs();
             Some((d, Sample { x: *x, n: fit.torse.ruling(t).normal, weight: 1.0 }))
         })
         .collect();
@@ -89,19 +89,19 @@ pub fn assigned(
     points: &[Vec3],
     near: f64,
 ) -> Vec<Option<u32>> {
-    let sheets: Vec<Option<(Sheet, Guesses)>> = fits
+    let power_forms: Vec<Option<(PowerForm, Guesses)>> = fits
         .iter()
         .map(|f| {
-            let sheet = Sheet::of(&f.torse)?;
-            let guesses = sheet.guesses();
-            Some((sheet, guesses))
+            let power_form = PowerForm::of(&f.torse)?;
+            let guesses = power_form.guesses();
+            Some((power_form, guesses))
         })
         .collect();
     let distance = |k: u32, p: &Vec3| -> Option<f64> {
-        let (sheet, guesses) = sheets.get(k as usize)?.as_ref()?;
-        let q = sheet.local(p);
-        let t = sheet.foot(&q, guesses.guess(&q), sheet.domain())?;
-        Some(sheet.distance(&q, t).0.abs())
+        let (power_form, guesses) = power_forms.get(k as usize)?.as_ref()?;
+        let q = power_form.local(p);
+        let t = power_form.foot(&q, guesses.guess(&q), power_form.domain())?;
+        Some(power_form.distance(&q, t).0.abs())
     };
     points
         .par_iter()
@@ -125,15 +125,15 @@ pub fn assigned(
 /// # Errors
 /// See [`ExtentError`].
 pub fn strip(name: &str, fit: &Fit, points: &[Vec3], near: f64) -> Result<Strip, ExtentError> {
-    let sheet = Sheet::of(&fit.torse).ok_or(ExtentError::Few(0))?;
-    let guesses = sheet.guesses();
-    let domain = sheet.domain();
+    let power_form = PowerForm::of(&fit.torse).ok_or(ExtentError::Few(0))?;
+    let guesses = power_form.guesses();
+    let domain = power_form.domain();
     let dropped: Vec<(f64, Vec3, f64)> = points
         .par_iter()
         .filter_map(|p| {
-            let q = sheet.local(p);
-            let t = sheet.foot(&q, guesses.guess(&q), domain)?;
-            let (d, _) = sheet.distance(&q, t);
+            let q = power_form.local(p);
+            let t = power_form.foot(&q, guesses.guess(&q), domain)?;
+            let (d, _) = power_form.distance(&q, t);
             if d.abs() > near {
                 return None;
             }

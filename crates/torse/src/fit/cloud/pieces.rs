@@ -8,7 +8,7 @@
 use super::estimates::Estimates;
 use super::regions::Region;
 use crate::control::Control;
-use crate::fit::elements::sequence::{controlled_of_cloud, dual_of_cloud, keeps_limits, RowOptions};
+use crate::fit::elements::sequence::{controlled_of_cloud, dual_of_cloud, keeps_limits, SequenceOptions};
 use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::fit::near::samples::{Fit, Sample};
 use crate::geom::Vec3;
@@ -209,7 +209,7 @@ fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Foun
         out.first().is_some_and(|f: &Fit| f.kind != PanelKind::Torse && f.error <= options.tolerance && allowed(f));
     // A plane, cylinder or cone that is near enough is what people expect to get back.
     if !simple {
-        out.extend(dual_of_cloud(&samples, cell, &RowOptions::new(options.enough)));
+        out.extend(dual_of_cloud(&samples, cell, &SequenceOptions::new(options.enough)));
     }
     out.retain(|f| f.error <= options.tolerance);
     let mut kept_off = None;
@@ -217,7 +217,7 @@ fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Foun
     if let Some(limits) = options.limits.as_ref().filter(|_| !out.is_empty()) {
         out.retain(|f| keeps_limits(&f.torse, &samples, cell, limits));
         if out.is_empty() {
-            let wanted = RowOptions::new(options.tolerance);
+            let wanted = SequenceOptions::new(options.tolerance);
             let kept = controlled_of_cloud(&samples, cell, limits, &wanted);
             match kept.filter(|f| keeps_limits(&f.torse, &samples, cell, limits)) {
                 Some(f) if f.error <= options.tolerance => out.push(f),

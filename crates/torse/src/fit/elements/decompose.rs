@@ -7,7 +7,7 @@
 mod model;
 
 use crate::geom::Vec3;
-use crate::torse::kind::{Run, RunShape, TangentPlane};
+use crate::torse::kind::{EnvelopePiece, EnvelopeShape, TangentPlane};
 use model::{Model, Moment};
 
 /// How [`decompose`] works.
@@ -82,7 +82,7 @@ const DOUBT: f64 = 2.0;
 ///
 /// # Errors
 /// Fewer than six planes, planes that are not finite, options that are not positive.
-pub fn decompose(planes: &[TangentPlane], options: &DecomposeOptions) -> Result<Vec<Run>, DecomposeError> {
+pub fn decompose(planes: &[TangentPlane], options: &DecomposeOptions) -> Result<Vec<EnvelopePiece>, DecomposeError> {
     if planes.len() < SHORTEST {
         return Err(DecomposeError::TooFew(planes.len()));
     }
@@ -215,27 +215,34 @@ fn near(runs: &[(usize, usize, Model)], k: usize) -> Vec<usize> {
 }
 
 /// A run with the parameters of its shape.
-fn run(x: &[[f64; 4]], first: usize, end: usize, model: Model, scale: &Scale, options: &DecomposeOptions) -> Run {
+fn run(
+    x: &[[f64; 4]],
+    first: usize,
+    end: usize,
+    model: Model,
+    scale: &Scale,
+    options: &DecomposeOptions,
+) -> EnvelopePiece {
     let moment = Moment::of(&x[first..end]);
     let shape = match model {
         Model::Plane => {
             let [a, b, c, d] = moment.mean();
             let length = Vec3::new(a, b, c).norm();
             let normal = Vec3::new(a, b, c) / length;
-            RunShape::Plane {
+            EnvelopeShape::Plane {
                 plane: TangentPlane { normal, offset: d / length * options.size - normal.dot(&options.centre) },
             }
         }
-        Model::Cylinder => RunShape::Cylinder { direction: moment.axis() },
+        Model::Cylinder => EnvelopeShape::Cylinder { direction: moment.axis() },
         Model::Cone => match moment.apex() {
-            Some(p) => RunShape::Cone { apex: options.centre + p * options.size },
-            None => RunShape::Tangent,
+            Some(p) => EnvelopeShape::Cone { apex: options.centre + p * options.size },
+            None => EnvelopeShape::Tangent,
         },
-        Model::Tangent => RunShape::Tangent,
+        Model::Tangent => EnvelopeShape::Tangent,
     };
     let otherwise = |f: f64| best(&moment, &Scale { variance: scale.variance * f, ..*scale }) != model;
     let ambiguous = otherwise(DOUBT * DOUBT) || otherwise(1.0 / (DOUBT * DOUBT));
-    Run { first, end, shape, residual: moment.residual(model), ambiguous }
+    EnvelopePiece { first, end, shape, residual: moment.residual(model), ambiguous }
 }
 
 #[cfg(test)]

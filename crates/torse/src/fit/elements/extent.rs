@@ -1,4 +1,4 @@
-//! The part of a torse that belongs to a row of rulings or planes, as a strip.
+//! The part of a torse that belongs to a sequence of rulings or planes, as a strip.
 //!
 //! *Method.* Ends of rulings are dropped on the torse; for a plane the nearest tangent plane is looked for and its ruling
 //! is cut by the ball of the region of interest. A ruled patch that hugs these points is cut back to them (Lemma 2
@@ -7,7 +7,7 @@
 use super::span_series::Sloped;
 use crate::fit::cloud::extent::ExtentError;
 use crate::fit::near::directions::MARGIN;
-use crate::fit::near::power_form::Sheet;
+use crate::fit::near::power_form::PowerForm;
 use crate::fit::near::samples::Fit;
 use crate::geom::Vec3;
 use crate::num::golden_section;
@@ -94,15 +94,17 @@ fn border(
     elements: &[ContactElement],
     beyond: bool,
 ) -> Result<Vec<(f64, Vec3)>, ExtentError> {
-    let sheet = Sheet::of(torse).ok_or(ExtentError::Few(0))?;
+    let power_form = PowerForm::of(torse).ok_or(ExtentError::Few(0))?;
     let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
     for e in elements {
         let t = least(torse, |r| off(r, e));
         let ends = if e.has_ruling() {
             // Feet of the ends, near the parameter of the ruling as a whole: other folds may pass nearer to one end.
             e.ends.map(|x| {
-                let q = sheet.local(&x);
-                let foot = sheet.foot(&q, t, sheet.domain()).filter(|s| sheet.distance(&q, *s).0.abs() <= 2.0 * error);
+                let q = power_form.local(&x);
+                let foot = power_form
+                    .foot(&q, t, power_form.domain())
+                    .filter(|s| power_form.distance(&q, *s).0.abs() <= 2.0 * error);
                 (foot.unwrap_or(t), x)
             })
         } else {
@@ -115,10 +117,10 @@ fn border(
     let (a, b) = sides[0].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
     let outermost = [elements.first(), elements.last()];
     for e in outermost.into_iter().flatten().filter(|e| beyond && !e.has_ruling()) {
-        let q = sheet.local(&e.centre());
-        let near = |t: &f64| sheet.distance(&q, *t).0.abs() <= 2.0 * error + BESIDE * e.radius;
+        let q = power_form.local(&e.centre());
+        let near = |t: &f64| power_form.distance(&q, *t).0.abs() <= 2.0 * error + BESIDE * e.radius;
         let from = least(torse, |r| off(r, e));
-        if let Some(t) = sheet.foot(&q, from, sheet.domain()).filter(near).filter(|t| *t < a || *t > b) {
+        if let Some(t) = power_form.foot(&q, from, power_form.domain()).filter(near).filter(|t| *t < a || *t > b) {
             sides.iter_mut().zip(chord(torse, t, e)).for_each(|(side, end)| side.push(end));
         }
     }

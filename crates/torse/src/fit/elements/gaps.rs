@@ -23,8 +23,8 @@ pub(crate) struct Gap {
 }
 
 /// Distances of neighbours, mm: mean ones where they lie beside each other.
-pub(crate) fn steps(row: &[[Vec3; 2]]) -> Vec<f64> {
-    row.windows(2).map(|w| apart(&w[0], &w[1]).max(apart(&w[1], &w[0]))).collect()
+pub(crate) fn steps(sequence: &[[Vec3; 2]]) -> Vec<f64> {
+    sequence.windows(2).map(|w| apart(&w[0], &w[1]).max(apart(&w[1], &w[0]))).collect()
 }
 
 /// Mean distance of the stretch of a ruling that lies beside another from this, mm; without such a stretch that of their nearest
@@ -43,43 +43,43 @@ fn apart([a, b]: &[Vec3; 2], other: &[Vec3; 2]) -> f64 {
 }
 
 /// Median distance of neighbours, mm.
-pub(crate) fn usual(row: &[[Vec3; 2]]) -> Option<f64> {
-    let mut steps = steps(row);
+pub(crate) fn usual(sequence: &[[Vec3; 2]]) -> Option<f64> {
+    let mut steps = steps(sequence);
     steps.sort_by(f64::total_cmp);
     steps.get(steps.len() / 2).copied()
 }
 
-/// The wide stretches of a row in order, the widest first.
-pub(crate) fn gaps(row: &[[Vec3; 2]]) -> Vec<Gap> {
-    let Some(usual) = usual(row) else { return Vec::new() };
-    let wide = steps(row).into_iter().enumerate().filter(|(_, s)| *s > WIDE * usual);
+/// The wide stretches of a sequence in order, the widest first.
+pub(crate) fn gaps(sequence: &[[Vec3; 2]]) -> Vec<Gap> {
+    let Some(usual) = usual(sequence) else { return Vec::new() };
+    let wide = steps(sequence).into_iter().enumerate().filter(|(_, s)| *s > WIDE * usual);
     let mut out: Vec<Gap> = wide.map(|(after, apart)| Gap { after, apart, usual }).collect();
     out.sort_by(|a, b| b.apart.total_cmp(&a.apart));
     out
 }
 
-/// A row in order, parted where a sheet across a gap would be an invention: it is far wider than others, and the sheets at its
+/// A sequence in order, parted where a sheet across a gap would be an invention: it is far wider than others, and the sheets at its
 /// sides do not go on into one plane within the tolerance (mm). Groups with too few rulings stay with their neighbours.
-pub(crate) fn groups(row: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
-    let mut cuts: Vec<usize> = gaps(row)
+pub(crate) fn groups(sequence: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
+    let mut cuts: Vec<usize> = gaps(sequence)
         .into_iter()
-        .filter(|g| g.apart > APART * g.usual && !is_plane(row, g.after, tolerance))
+        .filter(|g| g.apart > APART * g.usual && !is_plane(sequence, g.after, tolerance))
         .map(|g| g.after + 1)
         .collect();
     cuts.sort_unstable();
     let (mut out, mut from) = (Vec::new(), 0);
     for to in cuts {
-        if to - from >= FEWEST && row.len() - to >= FEWEST {
-            out.push(row[from..to].to_vec());
+        if to - from >= FEWEST && sequence.len() - to >= FEWEST {
+            out.push(sequence[from..to].to_vec());
             from = to;
         }
     }
-    out.push(row[from..].to_vec());
+    out.push(sequence[from..].to_vec());
     out
 }
 
 /// Rulings in order, in groups that belong to sheets of their own: see [`groups`].
-pub(crate) fn sheets(rulings: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
+pub(crate) fn ruling_groups(rulings: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]>> {
     let usable = rulings.iter().flatten().all(|p| p.iter().all(|x| x.is_finite()));
     if usable {
         groups(&ordered(rulings), tolerance)
@@ -89,15 +89,16 @@ pub(crate) fn sheets(rulings: &[[Vec3; 2]], tolerance: f64) -> Vec<Vec<[Vec3; 2]
 }
 
 /// Whether the stretch after a ruling is plane with both of its neighbours, as far as the tolerance shows.
-fn is_plane(row: &[[Vec3; 2]], after: usize, tolerance: f64) -> bool {
+fn is_plane(sequence: &[[Vec3; 2]], after: usize, tolerance: f64) -> bool {
     let normal = |k: usize| {
-        let [p, q] = [row.get(k)?, row.get(k + 1)?];
+        let [p, q] = [sequence.get(k)?, sequence.get(k + 1)?];
         ((p[1] - p[0]) + (q[1] - q[0])).cross(&((q[0] - p[0]) + (q[1] - p[1]))).try_normalize(0.0)
     };
     let Some(own) = normal(after) else { return false };
     let beside = [after.checked_sub(1), Some(after + 1)];
     let turn: f64 = beside.iter().filter_map(|k| Some(normal((*k)?)?.angle(&own))).sum();
-    let wide = (row[after][0] - row[after + 1][0]).norm().max((row[after][1] - row[after + 1][1]).norm());
+    let wide =
+        (sequence[after][0] - sequence[after + 1][0]).norm().max((sequence[after][1] - sequence[after + 1][1]).norm());
     SAGITTA * wide * turn <= tolerance
 }
 

@@ -27,17 +27,17 @@ pub(crate) fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Ve
             return Err(EstimateError::Ruling { index });
         }
     }
-    let row = ordered(rulings);
-    let (from, to): (Vec<_>, Vec<_>) = row.iter().map(|r| (r[0], r[1])).unzip();
+    let sequence = ordered(rulings);
+    let (from, to): (Vec<_>, Vec<_>) = sequence.iter().map(|r| (r[0], r[1])).unzip();
     // A ruling speaks for the surface half way to its neighbours.
-    let middle = |i: usize| 0.5 * (row[i][0] + row[i][1]);
-    let last = row.len() - 1;
+    let middle = |i: usize| 0.5 * (sequence[i][0] + sequence[i][1]);
+    let last = sequence.len() - 1;
     let radius = |i: usize| 0.5 * (middle((i + 1).min(last)) - middle(i.saturating_sub(1))).norm();
     let elements = |normals: &[Vec3], wide: bool| -> Vec<ContactElement> {
         let element = |(i, normal): (usize, &Vec3)| {
-            let length = (row[i][1] - row[i][0]).norm();
+            let length = (sequence[i][1] - sequence[i][0]).norm();
             let radius = if wide { NARROW * length } else { radius(i).max(THIN * length) };
-            ContactElement { normal: *normal, ends: row[i], radius, weight: 1.0 }
+            ContactElement { normal: *normal, ends: sequence[i], radius, weight: 1.0 }
         };
         normals.iter().enumerate().map(element).collect()
     };

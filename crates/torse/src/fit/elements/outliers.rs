@@ -1,4 +1,4 @@
-//! Elements of a row that most of the others do not agree with.
+//! Elements of a sequence that most of the others do not agree with.
 //!
 //! *Method*: a robust fit of planes \[PW99, (9)\] (Huber's, then Tukey's weights) with corrected parameters tells suspects: the
 //! fit does not trust them and they are beyond the tolerance. Far from the middle of its axes, or over few spans, that fit may
@@ -6,10 +6,10 @@
 //! of their own, does not lead to it either, or where they agree on no cubic, if the robust fit follows most of them. Of
 //! outliers near each other the worst is taken out first and the rest looked at again, since estimates of neighbours suffer
 //! from it. Where the robust fit tells of none, every element is compared with its neighbours.
-//! *Not guaranteed*: that outliers that agree with each other, side by side, are found; that the last two elements of a row
+//! *Not guaranteed*: that outliers that agree with each other, side by side, are found; that the last two elements of a sequence
 //! that turn off together are no outliers.
 
-use super::sequence::{axes, data, distance, extended_by, knots_wanted, least, parameters, RowOptions};
+use super::sequence::{axes, data, distance, extended_by, knots_wanted, least, parameters, SequenceOptions};
 use crate::fit::planes::correction::{joint, JointOptions};
 use crate::fit::planes::linear_system::PlanesOptions;
 use crate::geom::Vec3;
@@ -18,7 +18,7 @@ use crate::torse::contact::ContactElement;
 use crate::torse::dual::DualCurve;
 use crate::torse::form::DualTorse;
 
-/// Elements of a part of a row without which no fit is looked at.
+/// Elements of a part of a sequence without which no fit is looked at.
 const FEWEST: usize = 8;
 /// Weight below which an element is not trusted.
 const TRUSTED: f64 = 0.1;
@@ -26,15 +26,15 @@ const TRUSTED: f64 = 0.1;
 const REACH: usize = 2;
 /// Share of the largest distance up to which others may come from the same outlier.
 const RINGING: f64 = 0.6;
-/// Share of a row that can be outliers; beyond, there is nothing to agree on.
+/// Share of a sequence that can be outliers; beyond, there is nothing to agree on.
 pub(crate) const MOST: f64 = 0.25;
 /// Neighbours that a suspect is compared with, fewer where so many do not follow one cubic.
 const NEIGHBOURS: [usize; 3] = [12, 9, 6];
-/// Share of its domain by which a fit of neighbours is continued: a suspect at the end of a row is one or two of them away.
+/// Share of its domain by which a fit of neighbours is continued: a suspect at the end of a sequence is one or two of them away.
 const BEYOND: f64 = 0.5;
 
-/// Indices of the outliers of a row that show at once, in order; look again without them. Empty where they are more than
-/// [`MOST`] of the row.
+/// Indices of the outliers of a sequence that show at once, in order; look again without them. Empty where they are more than
+/// [`MOST`] of the sequence.
 ///
 /// *Input*: usable elements, neighbours oriented alike; `tolerance` in mm.
 pub fn outliers(elements: &[ContactElement], tolerance: f64) -> Vec<usize> {
@@ -46,7 +46,7 @@ pub fn outliers(elements: &[ContactElement], tolerance: f64) -> Vec<usize> {
     out
 }
 
-/// Looks through a part of a row that begins at `from`, in halves where planes turn too far for one fit.
+/// Looks through a part of a sequence that begins at `from`, in halves where planes turn too far for one fit.
 fn search(elements: &[ContactElement], from: usize, tolerance: f64, out: &mut Vec<usize>) {
     if elements.len() < FEWEST {
         return;
@@ -96,7 +96,7 @@ fn distances(elements: &[ContactElement], tolerance: f64) -> Option<Vec<(f64, f6
     let along = parameters(elements)?;
     let frame = axes(&normals, elements.iter().map(ContactElement::centre))?;
     let data = data(elements, &along, &frame)?;
-    let wanted = knots_wanted(elements.len(), &RowOptions { robust: true, ..RowOptions::new(tolerance) });
+    let wanted = knots_wanted(elements.len(), &SequenceOptions { robust: true, ..SequenceOptions::new(tolerance) });
     let few = crate::fit::planes::knot_choice::planes_within(&data, &wanted).ok()?;
     let found = joint(&data, few.curve.knots(), &wanted.fit, &JointOptions::default()).ok()?;
     // The plane z = u0 + u1 x + u2 y of the frame, as n·X = h in the world.
@@ -119,28 +119,28 @@ fn beside(elements: &[ContactElement], own: usize, suspected: &[usize], toleranc
         some.sort_unstable();
         some
     };
-    let led = |row: &[ContactElement]| {
-        let torse = cubic(row)?;
+    let led = |sequence: &[ContactElement]| {
+        let torse = cubic(sequence)?;
         let far = |e: &ContactElement| away(e, &torse);
-        row.iter().all(|e| far(e) <= tolerance).then(|| far(&elements[own]))
+        sequence.iter().all(|e| far(e) <= tolerance).then(|| far(&elements[own]))
     };
     let away = NEIGHBOURS.iter().filter(|&&n| n <= others.len()).find_map(|&n| {
-        let row: Vec<ContactElement> = nearest(n).iter().map(|&i| elements[i]).collect();
+        let sequence: Vec<ContactElement> = nearest(n).iter().map(|&i| elements[i]).collect();
         let without = |k: usize| {
-            let mut fewer = row.clone();
+            let mut fewer = sequence.clone();
             fewer.remove(k);
             led(&fewer)
         };
-        led(&row).or_else(|| (0..row.len()).filter(|_| row.len() > FEWEST).find_map(without))
+        led(&sequence).or_else(|| (0..sequence.len()).filter(|_| sequence.len() > FEWEST).find_map(without))
     });
     (away, nearest(NEIGHBOURS[0]))
 }
 
-/// The torse of one cubic of planes near a short row, continued beyond both of its ends.
-fn cubic(row: &[ContactElement]) -> Option<DualTorse> {
-    let normals: Vec<Vec3> = row.iter().map(|e| e.normal).collect();
-    let frame = axes(&normals, row.iter().map(ContactElement::centre))?;
-    let data = data(row, &parameters(row)?, &frame)?;
+/// The torse of one cubic of planes near a short sequence, continued beyond both of its ends.
+fn cubic(sequence: &[ContactElement]) -> Option<DualTorse> {
+    let normals: Vec<Vec3> = sequence.iter().map(|e| e.normal).collect();
+    let frame = axes(&normals, sequence.iter().map(ContactElement::centre))?;
+    let data = data(sequence, &parameters(sequence)?, &frame)?;
     let knots = Knots::clamped(3, &[0.0, 1.0]).ok()?;
     let found = joint(&data, &knots, &PlanesOptions::default(), &JointOptions::default()).ok()?;
     let curve: &DualCurve = &found.fit.curve;

@@ -1,7 +1,7 @@
 //! The order of rulings along a surface, for drawings that give lines in any order and direction.
 //!
 //! *Method.* A chain of nearest neighbours from the outermost ruling, unless the given order makes a shorter one; both
-//! ends count in the distance, whichever way it is the smaller one. It prepares rows for \[PW99, 4.3\].
+//! ends count in the distance, whichever way it is the smaller one. It prepares sequences for \[PW99, 4.3\].
 
 use crate::geom::Vec3;
 
@@ -11,15 +11,15 @@ use crate::geom::Vec3;
 /// *Input*: finite ends. *Cost*: quadratic. *Not guaranteed*: the order of rulings that are as near across a gap as along
 /// the surface.
 pub(crate) fn ordered(rulings: &[[Vec3; 2]]) -> Vec<[Vec3; 2]> {
-    let given = opened(row(rulings.to_vec()));
+    let given = opened(aligned_sequence(rulings.to_vec()));
     let Some(start) = outermost(rulings) else { return given };
     if is_ring(&given) {
         let mut around = chain(&given[..given.len() - 1], 0);
         around.extend(given.last());
-        let around = row(around);
+        let around = aligned_sequence(around);
         return if length(&around) < length(&given) { around } else { given };
     }
-    let chain = opened(row(chain(rulings, start)));
+    let chain = opened(aligned_sequence(chain(rulings, start)));
     if length(&chain) < length(&given) && !is_around(&given, &chain) {
         chain
     } else {
@@ -34,14 +34,14 @@ pub(crate) fn is_ring(rulings: &[[Vec3; 2]]) -> bool {
     rulings.len() > RING && gap(first, last) <= ROUNDED * length(rulings) / rulings.len() as f64
 }
 
-/// Rulings that are no ring if they are not more: the ends of a row of a few are near each other, too.
+/// Rulings that are no ring if they are not more: the ends of a sequence of a few are near each other, too.
 const RING: usize = 6;
 
-/// Where a row of rulings goes around a ring and ends before its first ruling: the distance (mm) between both, and the middle.
-pub(crate) fn opening(row: &[[Vec3; 2]]) -> Option<(f64, Vec3)> {
-    let [first, .., last] = row else { return None };
+/// Where a sequence of rulings goes around a ring and ends before its first ruling: the distance (mm) between both, and the middle.
+pub(crate) fn opening(sequence: &[[Vec3; 2]]) -> Option<(f64, Vec3)> {
+    let [first, .., last] = sequence else { return None };
     let middle = first.iter().chain(last).sum::<Vec3>() * 0.25;
-    (joins(row) && !is_ring(row)).then(|| (0.5 * gap(first, last), middle))
+    (joins(sequence) && !is_ring(sequence)).then(|| (0.5 * gap(first, last), middle))
 }
 
 /// Whether rulings come as they are around a ring which the `chain` of nearest ones only opens elsewhere.
@@ -52,13 +52,13 @@ fn is_around(given: &[[Vec3; 2]], chain: &[[Vec3; 2]]) -> bool {
     length(given) + a <= (length(chain) + b) * (1.0 + ROUNDED) && joins(chain)
 }
 
-/// A row around a ring opened where it meets one ruling twice, if it does.
+/// A sequence around a ring opened where it meets one ruling twice, if it does.
 fn opened(mut chain: Vec<[Vec3; 2]>) -> Vec<[Vec3; 2]> {
     let twice = (1..chain.len()).find(|&k| gap(&chain[k - 1], &chain[k]) <= 0.0);
     if let Some(k) = twice.filter(|_| joins(&chain)) {
         chain.rotate_left(k);
     }
-    row(chain)
+    aligned_sequence(chain)
 }
 
 /// Whether the ends of a chain are as near each other as neighbours in it may be.
@@ -101,7 +101,7 @@ fn gap(a: &[Vec3; 2], b: &[Vec3; 2]) -> f64 {
 }
 
 /// Turned so that neighbours point the same way.
-fn row(mut chain: Vec<[Vec3; 2]>) -> Vec<[Vec3; 2]> {
+fn aligned_sequence(mut chain: Vec<[Vec3; 2]>) -> Vec<[Vec3; 2]> {
     for i in 1..chain.len() {
         chain[i] = aligned(chain[i - 1], chain[i])[1];
     }
@@ -117,7 +117,7 @@ pub(crate) fn aligned(a: [Vec3; 2], b: [Vec3; 2]) -> [[Vec3; 2]; 2] {
     }
 }
 
-/// The ruling farthest from the one that is farthest from the middle: an end of the row.
+/// The ruling farthest from the one that is farthest from the middle: an end of the sequence.
 fn outermost(rulings: &[[Vec3; 2]]) -> Option<usize> {
     let centre = |r: &[Vec3; 2]| 0.5 * (r[0] + r[1]);
     let middle = rulings.iter().map(centre).sum::<Vec3>() / rulings.len() as f64;

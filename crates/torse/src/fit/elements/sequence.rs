@@ -1,4 +1,4 @@
-//! Torses near tangent planes that come in a row, with or without their rulings: the dual spline fits as one tool.
+//! Torses near tangent planes that come in a sequence, with or without their rulings: the dual spline fits as one tool.
 //!
 //! *Method* \[PW99, 4.1–4.3\]: axes from the normals; parameters from distance and turn; `F1` over few knots for the
 //! tolerance; joint correction of planes and parameters. Where rulings are known, they count through `F3` in a further
@@ -28,9 +28,9 @@ use crate::torse::dual::{graph_in, plane_through, DualCurve};
 use crate::torse::form::{DualTorse, PanelKind, Torse};
 use crate::torse::zone::RegressionLimits;
 
-/// Options of [`row`].
+/// Options of [`sequence_pieces`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct RowOptions {
+pub struct SequenceOptions {
     /// Largest distance of a plane over its region, and of a ruling, mm.
     pub tolerance: f64,
     /// Pieces at most; 64.
@@ -47,7 +47,7 @@ pub struct RowOptions {
     pub limits: Option<RegressionLimits>,
 }
 
-impl RowOptions {
+impl SequenceOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, max_pieces: 64, robust: false, smoothing: FAINT, fix_ends: false, limits: None }
@@ -59,9 +59,9 @@ impl RowOptions {
     }
 }
 
-/// A run of the row with its torses.
+/// A run of the sequence with its torses.
 #[derive(Clone, Debug)]
-pub struct RowPiece {
+pub struct SequencePiece {
     /// Elements that belong to it; neighbouring pieces share one.
     pub range: std::ops::Range<usize>,
     /// Torses within the tolerance of the elements as far as samples tell, the nearest first; empty where nothing fits.
@@ -73,14 +73,14 @@ pub struct RowPiece {
 /// Fewest elements of a piece that is more than a plane.
 const FEWEST: usize = 4;
 
-/// Torses for the runs of a row, greedily as long as can be. Every element belongs to a piece.
+/// Torses for the runs of a sequence, greedily as long as can be. Every element belongs to a piece.
 ///
 /// *Input*: usable elements, neighbours oriented alike.
-pub fn row(elements: &[ContactElement], options: &RowOptions) -> Vec<RowPiece> {
-    let mut out: Vec<RowPiece> = Vec::new();
+pub fn sequence_pieces(elements: &[ContactElement], options: &SequenceOptions) -> Vec<SequencePiece> {
+    let mut out: Vec<SequencePiece> = Vec::new();
     for (range, hopeless) in stretches(elements, options) {
         if hopeless {
-            out.push(RowPiece { range, fits: Vec::new(), kept_off: true });
+            out.push(SequencePiece { range, fits: Vec::new(), kept_off: true });
         } else {
             greedy(elements, range, options, &mut out);
         }
@@ -88,14 +88,14 @@ pub fn row(elements: &[ContactElement], options: &RowOptions) -> Vec<RowPiece> {
     out
 }
 
-/// Stretches of a row, and whether limits of the regression curve leave nothing of them: a strip that keeps to the limits
+/// Stretches of a sequence, and whether limits of the regression curve leave nothing of them: a strip that keeps to the limits
 /// does so on every part, so that where short runs have fits but none within the limits, longer ones have none either.
-fn stretches(elements: &[ContactElement], options: &RowOptions) -> Vec<(std::ops::Range<usize>, bool)> {
+fn stretches(elements: &[ContactElement], options: &SequenceOptions) -> Vec<(std::ops::Range<usize>, bool)> {
     let whole = || vec![(0..elements.len(), false)];
     if options.limits.is_none() || elements.len() <= FEWEST || !torses(elements, options).is_empty() {
         return whole();
     }
-    let free = RowOptions { limits: None, ..options.clone() };
+    let free = SequenceOptions { limits: None, ..options.clone() };
     let mut out: Vec<(std::ops::Range<usize>, bool)> = Vec::new();
     let mut from = 0;
     while from + 1 < elements.len() {
@@ -112,8 +112,13 @@ fn stretches(elements: &[ContactElement], options: &RowOptions) -> Vec<(std::ops
     out
 }
 
-/// Pieces of a stretch of a row.
-fn greedy(elements: &[ContactElement], range: std::ops::Range<usize>, options: &RowOptions, out: &mut Vec<RowPiece>) {
+/// Pieces of a stretch of a sequence.
+fn greedy(
+    elements: &[ContactElement],
+    range: std::ops::Range<usize>,
+    options: &SequenceOptions,
+    out: &mut Vec<SequencePiece>,
+) {
     // Bisections of a run: its length is then within a thirtieth of the longest.
     const STEPS: usize = 5;
     let mut from = range.start;
@@ -138,22 +143,22 @@ fn greedy(elements: &[ContactElement], range: std::ops::Range<usize>, options: &
             }
             length = if good == 0 { bad.min(FEWEST) } else { good };
         }
-        out.push(RowPiece { range: from..from + length, fits: best, kept_off: false });
+        out.push(SequencePiece { range: from..from + length, fits: best, kept_off: false });
         from += length - 1;
     }
 }
 
 /// Torses within the tolerance of all elements, the nearest first; empty where nothing fits.
 ///
-/// *Input*: as for [`row`].
-pub fn torses(elements: &[ContactElement], options: &RowOptions) -> Vec<Fit> {
+/// *Input*: as for [`sequence_pieces`].
+pub fn torses(elements: &[ContactElement], options: &SequenceOptions) -> Vec<Fit> {
     let mut out = Vec::new();
     let samples = samples(elements);
     let rulings = elements.iter().all(ContactElement::has_ruling);
     if rulings && options.polishes() {
         out.extend(primal(&samples, &PrimalOptions::new(0.5 * options.tolerance)));
     }
-    if let Some((torse, far)) = dual_of_row(elements, options) {
+    if let Some((torse, far)) = dual_of_sequence(elements, options) {
         if rulings {
             let wanted = RefitOptions::new(0.5 * options.tolerance);
             let kept = error(&torse, &samples).map(|(error, worst)| Fit {
@@ -214,11 +219,11 @@ pub fn torses(elements: &[ContactElement], options: &RowOptions) -> Vec<Fit> {
 fn follows(torse: &Torse, elements: &[ContactElement], tolerance: f64) -> bool {
     // Rulings are proven part by part; where ends are farther off than so many tolerances, parts are too.
     const CROSSING: f64 = 32.0;
-    let Some(sheet) = crate::fit::near::power_form::Sheet::of(torse) else { return false };
-    let guesses = sheet.guesses();
+    let Some(power_form) = crate::fit::near::power_form::PowerForm::of(torse) else { return false };
+    let guesses = power_form.guesses();
     elements.iter().all(|e| {
-        let q = sheet.local(&e.centre());
-        let Some(t) = sheet.foot(&q, guesses.guess(&q), sheet.domain()) else { return false };
+        let q = power_form.local(&e.centre());
+        let Some(t) = power_form.foot(&q, guesses.guess(&q), power_form.domain()) else { return false };
         let r = torse.ruling(t);
         e.ends.iter().all(|x| (x - r.point).cross(&r.direction).norm() <= CROSSING * tolerance)
     })
@@ -232,7 +237,11 @@ fn reaches(elements: &[ContactElement]) -> Vec<Reach> {
 
 /// The nearest torse found whose regression curve keeps to the limits, by the convex program, over more and more knots
 /// until it is within the tolerance.
-fn controlled_by_slope(elements: &[ContactElement], limits: &RegressionLimits, options: &RowOptions) -> Option<Fit> {
+fn controlled_by_slope(
+    elements: &[ContactElement],
+    limits: &RegressionLimits,
+    options: &SequenceOptions,
+) -> Option<Fit> {
     let (data, frame) = slope_data(elements)?;
     let places = |e: &ContactElement, t: f64| {
         e.ends.map(|x| (t, (frame.to_local(&x), if e.has_ruling() { 0.0 } else { e.radius })))
@@ -277,8 +286,8 @@ fn controlled_fit(
     places: Vec<(f64, Reach)>,
     mut knots: Knots,
     limits: &RegressionLimits,
-    options: &RowOptions,
-    judged: impl Fn(&Torse) -> Option<(f64, usize)>,
+    options: &SequenceOptions,
+    measured: impl Fn(&Torse) -> Option<(f64, usize)>,
 ) -> Option<Fit> {
     const HALVINGS: usize = 2;
     // Limits that push a fit farther away than so many tolerances do so over any knots.
@@ -288,7 +297,7 @@ fn controlled_fit(
     for _ in 0..=HALVINGS {
         let curve = controlled(data, frame, places.clone(), &knots, limits, &wanted);
         if let Some(torse) = curve.and_then(|c| extended(&c, frame)).map(Torse::Dual) {
-            if let Some((error, worst)) = judged(&torse) {
+            if let Some((error, worst)) = measured(&torse) {
                 if best.as_ref().is_none_or(|b| error < b.error) {
                     best = Some(Fit { torse, kind: PanelKind::Torse, error, worst });
                 }
@@ -305,7 +314,7 @@ fn controlled_fit(
     best
 }
 
-/// Points of the rulings of a row with their normals, for fits of points.
+/// Points of the rulings of a sequence with their normals, for fits of points.
 pub fn samples(elements: &[ContactElement]) -> Vec<Sample> {
     // Enough for a straight line on a surface that is ruled nearly the same way.
     const ALONG: usize = 5;
@@ -334,7 +343,7 @@ pub(crate) fn controlled_of_cloud(
     samples: &[Sample],
     radius: f64,
     limits: &RegressionLimits,
-    options: &RowOptions,
+    options: &SequenceOptions,
 ) -> Option<Fit> {
     let (elements, frame) = sloped(samples, radius)?;
     let elements: Vec<ContactElement> = elements.into_iter().map(|e| e.1).collect();
@@ -370,7 +379,7 @@ fn sloped(samples: &[Sample], radius: f64) -> Option<(Vec<(f64, ContactElement)>
 /// A dual torse near surface elements in no order, as estimated from measured points: planes are sorted by their slope
 /// in the direction in which normals spread most, corrected in turn, and polished with distances at exact feet. `radius`
 /// (mm) is the reach of an estimate. `None` where the planes are no graphs over one plane, or no regular torse is found.
-pub(crate) fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> Option<Fit> {
+pub(crate) fn dual_of_cloud(samples: &[Sample], radius: f64, options: &SequenceOptions) -> Option<Fit> {
     // Corrections gain little after these; feet are exact afterwards.
     const CORRECTIONS: usize = 3;
     let (sloped, frame) = sloped(samples, radius)?;
@@ -399,7 +408,7 @@ pub(crate) fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>
 }
 
 /// Knots for a tolerance: `F1` measures the mean over a region, and along the axis.
-pub(crate) fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
+pub(crate) fn knots_wanted(count: usize, options: &SequenceOptions) -> KnotOptions {
     KnotOptions {
         max_spans: (count / 2).clamp(1, 60),
         removals: 20,
@@ -409,7 +418,7 @@ pub(crate) fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
 }
 
 impl KnotOptions {
-    /// Keeps the first and the last plane of a row and, where they are known, the rulings in them: the next control
+    /// Keeps the first and the last plane of a sequence and, where they are known, the rulings in them: the next control
     /// planes go through these \[PW99, 4.2\]. `None` if a ruling is square to the ground plan.
     pub(crate) fn keep_ends(&mut self, elements: &[ContactElement], data: &[PlaneDatum], frame: &Frame) -> Option<()> {
         let condition = |e: &ContactElement, d: &PlaneDatum| -> Option<Vec<(usize, Freedom<3>)>> {
@@ -431,9 +440,9 @@ impl KnotOptions {
     }
 }
 
-/// A cubic dual torse near a row by `F1` with joint correction, on a domain that reaches beyond its ends, with the
+/// A cubic dual torse near a sequence by `F1` with joint correction, on a domain that reaches beyond its ends, with the
 /// distances of all elements. `None` where the planes are no graphs over one plane, or turn back.
-pub(crate) fn dual_of_row(elements: &[ContactElement], options: &RowOptions) -> Option<(Torse, Vec<f64>)> {
+pub(crate) fn dual_of_sequence(elements: &[ContactElement], options: &SequenceOptions) -> Option<(Torse, Vec<f64>)> {
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
     let parameters = parameters(elements)?;
     let axes = axes(&normals, elements.iter().map(ContactElement::centre))?;
@@ -462,9 +471,9 @@ pub(crate) fn dual_of_row(elements: &[ContactElement], options: &RowOptions) -> 
     Some((Torse::Dual(torse), far))
 }
 
-/// A cubic dual torse of type (3) near a row of rulings with planes by `F3`, where the slope of the planes increases
-/// along the row. The rulings themselves count, not only their planes.
-fn dual_by_slope(elements: &[ContactElement], options: &RowOptions) -> Option<DualTorse> {
+/// A cubic dual torse of type (3) near a sequence of rulings with planes by `F3`, where the slope of the planes increases
+/// along the sequence. The rulings themselves count, not only their planes.
+fn dual_by_slope(elements: &[ContactElement], options: &SequenceOptions) -> Option<DualTorse> {
     let (data, frame) = slope_data(elements)?;
     // As many knots as the planes need.
     let few = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
@@ -473,7 +482,7 @@ fn dual_by_slope(elements: &[ContactElement], options: &RowOptions) -> Option<Du
     extended(&fit.curve, &frame)
 }
 
-/// Planes, and rulings where they are known, by the slope of the planes, in axes in which it increases along the row.
+/// Planes, and rulings where they are known, by the slope of the planes, in axes in which it increases along the sequence.
 pub(crate) fn slope_data(elements: &[ContactElement]) -> Option<(SlopeData, Frame)> {
     // Rulings against planes: lengths in the ground plan times this share of the range of slopes are heights.
     const SHARE: f64 = 0.25;
@@ -494,9 +503,9 @@ pub(crate) fn slope_data(elements: &[ContactElement]) -> Option<(SlopeData, Fram
     Some((out, frame))
 }
 
-/// Parameters in [0, 1]: shares of the way along the row and of the turn of its normals.
+/// Parameters in [0, 1]: shares of the way along the sequence and of the turn of its normals.
 pub(crate) fn parameters(elements: &[ContactElement]) -> Option<Vec<f64>> {
-    // Even rows that neither move nor turn somewhere get distinct parameters.
+    // Even sequences that neither move nor turn somewhere get distinct parameters.
     const EVEN: f64 = 1e-3;
     let (mut way, mut turn) = (vec![0.0], vec![0.0]);
     for w in elements.windows(2) {
@@ -569,7 +578,7 @@ mod tests {
 
     #[test]
     fn rulings_of_a_tangent_surface_are_met() {
-        let out = row(&helix(40, 1.0), &RowOptions::new(0.1));
+        let out = sequence_pieces(&helix(40, 1.0), &SequenceOptions::new(0.1));
         assert_eq!(out.len(), 1);
         assert!(out[0].fits.iter().any(|f| matches!(f.torse, Torse::Dual(_))), "{out:?}");
         assert!(out[0].fits[0].error < 0.05, "{}", out[0].fits[0].error);
@@ -579,7 +588,7 @@ mod tests {
     fn planes_alone_are_met_over_their_regions() {
         let planes: Vec<ContactElement> =
             helix(40, 1.0).into_iter().map(|e| ContactElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
-        let out = row(&planes, &RowOptions::new(0.1));
+        let out = sequence_pieces(&planes, &SequenceOptions::new(0.1));
         assert_eq!(out.len(), 1);
         assert!(out[0].fits[0].error <= 0.1, "{:?}", out[0].fits[0].error);
     }
@@ -590,7 +599,7 @@ mod tests {
         for e in &mut jump[20..] {
             e.ends = e.ends.map(|x| x + Vec3::new(0.0, 0.0, 40.0));
         }
-        let out = row(&jump, &RowOptions::new(0.1));
+        let out = sequence_pieces(&jump, &SequenceOptions::new(0.1));
         assert!(out.len() > 1);
         assert_eq!(out.iter().map(|p| p.range.len() - 1).sum::<usize>(), 39);
     }

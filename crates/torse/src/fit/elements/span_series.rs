@@ -1,4 +1,4 @@
-//! Torses near a row over as many spans as are asked for: what a search for the simplest surface looks through.
+//! Torses near a sequence over as many spans as are asked for: what a search for the simplest surface looks through.
 //!
 //! *Method* \[PW99, 4.1–4.3\]: a fit over many spans tells where the planes bend most; wanted spans are laid so that
 //! each holds the same share of the fourth root of the fourth derivative, which is what the distance of a cubic spline
@@ -6,7 +6,7 @@
 //! type (3) stay as `F3` gives them, since their strips have polynomial rails with fewer control points.
 //! *Not guaranteed*: distances; see the judge.
 
-use super::sequence::{axes, data, extended, knots_wanted, parameters, samples, slope_data, RowOptions};
+use super::sequence::{axes, data, extended, knots_wanted, parameters, samples, slope_data, SequenceOptions};
 use crate::fit::near::descent::RefitOptions;
 use crate::fit::near::dual;
 use crate::fit::near::samples::{error, Fit, Sample};
@@ -96,7 +96,7 @@ pub struct Sloped {
     pub frame: Frame,
 }
 
-/// Torses of type (2), freed to type (1) by the polish, near a row.
+/// Torses of type (2), freed to type (1) by the polish, near a sequence.
 pub struct PlaneSeries {
     samples: Option<Vec<Sample>>,
     data: Vec<PlaneDatum>,
@@ -107,10 +107,10 @@ pub struct PlaneSeries {
 }
 
 impl PlaneSeries {
-    /// The row made ready; `None` where its planes are no graphs over one plane, or do not move.
+    /// The sequence made ready; `None` where its planes are no graphs over one plane, or do not move.
     ///
     /// *Input*: usable elements, neighbours oriented alike; smoothing and kept ends of the options count.
-    pub fn of(elements: &[ContactElement], wanted: &RowOptions) -> Option<Self> {
+    pub fn of(elements: &[ContactElement], wanted: &SequenceOptions) -> Option<Self> {
         let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
         let along = parameters(elements)?;
         let axes = axes(&normals, elements.iter().map(ContactElement::centre))?;
@@ -157,7 +157,7 @@ impl PlaneSeries {
     }
 }
 
-/// Torses of type (3) near a row.
+/// Torses of type (3) near a sequence.
 pub struct SlopeSeries {
     data: SlopeData,
     frame: Frame,
@@ -166,10 +166,10 @@ pub struct SlopeSeries {
 }
 
 impl SlopeSeries {
-    /// The row made ready; `None` where slopes do not increase along it.
+    /// The sequence made ready; `None` where slopes do not increase along it.
     ///
     /// *Input*: as [`PlaneSeries::of`].
-    pub fn of(elements: &[ContactElement], wanted: &RowOptions) -> Option<Self> {
+    pub fn of(elements: &[ContactElement], wanted: &SequenceOptions) -> Option<Self> {
         let (data, frame) = slope_data(elements)?;
         let along: Vec<f64> = data.planes.iter().map(|d| d.parameter).collect();
         let options = SlopeOptions { smoothing: wanted.smoothing, ..SlopeOptions::default() };

@@ -8,7 +8,7 @@ use super::descent::ENOUGH;
 use super::descent::{descended, polished, repaired, Family};
 use super::directions::MARGIN;
 use super::envelope::EnvelopeFamily;
-use super::power_form::{RegularityMargin, Sheet};
+use super::power_form::{PowerForm, RegularityMargin};
 use super::samples::{measure, thin, Fit, Sample};
 use crate::control::Control;
 use crate::geom::{BBox, Vec3};
@@ -220,22 +220,22 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
     let reached = polished(&mut family, &mut x, &few, &all, goal)? * scale.unit;
     // Feet that have strayed to another part of the torse spoil what is measured in the end.
     let fit = finished(samples, scale, &family, &x).filter(|fit| fit.error <= STRAYED * reached)?;
-    let room = RegularityMargin::least(&family.sheet(&x), &family.points, &family.feet);
-    let roomy = room.bend_radius * scale.unit >= NEARLY[0] * options.bend_radius
-        && room.clearance * scale.unit >= NEARLY[1] * options.clearance;
-    Some((fit, roomy))
+    let margin = RegularityMargin::least(&family.power_form(&x), &family.points, &family.feet);
+    let regular_enough = margin.bend_radius * scale.unit >= NEARLY[0] * options.bend_radius
+        && margin.clearance * scale.unit >= NEARLY[1] * options.clearance;
+    Some((fit, regular_enough))
 }
 
 /// The torse in mm on a domain that reaches a little beyond the feet.
 fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64]) -> Option<Fit> {
-    let sheet = family.sheet(x);
-    let Sheet::Dual { planes } = &sheet else { return None };
+    let power_form = family.power_form(x);
+    let PowerForm::Dual { planes } = &power_form else { return None };
     let (lo, hi) = planes.domain();
     let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
     let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut feet = Vec::with_capacity(samples.len());
     for (q, &guess) in family.points.iter().zip(&family.feet) {
-        let t = sheet.foot(q, guess, wide)?;
+        let t = power_form.foot(q, guess, wide)?;
         (a, b) = (a.min(t), b.max(t));
         feet.push(t);
     }
@@ -246,7 +246,7 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
         *c = scale.plane_back(c);
     }
     let torse = Torse::Dual(DualTorse { planes });
-    let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
+    let (error, worst) = measure(&PowerForm::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind: PanelKind::Torse, error, worst })
 }
 

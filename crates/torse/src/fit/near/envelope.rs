@@ -2,7 +2,7 @@
 
 use super::basis::{cubic, Basis};
 use super::descent::Family;
-use super::power_form::{widened, RegularityMargin, Sheet};
+use super::power_form::{widened, PowerForm, RegularityMargin};
 use super::samples::REGULAR_DUAL;
 use crate::control::Control;
 use crate::geom::Vec3;
@@ -37,7 +37,7 @@ pub(crate) struct EnvelopeFamily {
     gauges: Vec<Gauge>,
     trial: Vec<f64>,
     /// Steps after which a sample has less room are refused.
-    room: RegularityMargin,
+    margin: RegularityMargin,
     /// Ends fits early.
     pub control: Control,
 }
@@ -45,7 +45,7 @@ pub(crate) struct EnvelopeFamily {
 impl EnvelopeFamily {
     /// From now on the torse keeps the wanted room at the samples, or nearly as much as it has at `x`.
     pub fn keep_margin(&mut self, x: &[f64], wanted: RegularityMargin) {
-        self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
+        self.margin = wanted.kept(&self.power_form(x), &self.points, &self.feet);
     }
 
     /// The family with the spans of `start`, its gauges taken from there, and the coefficients of `start`. Feet are
@@ -58,16 +58,16 @@ impl EnvelopeFamily {
         let breaks = start.breaks.clone();
         let basis = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let x = coefficients(&basis, &breaks, &start);
-        let sheet = Sheet::Dual { planes: start };
+        let power_form = PowerForm::Dual { planes: start };
         let feet = feet.unwrap_or_else(|| {
-            let guesses = sheet.guesses();
+            let guesses = power_form.guesses();
             points.iter().map(|q| guesses.guess(q)).collect()
         });
         let mut gauges = Vec::new();
         for w in breaks.windows(2) {
             for k in 0..GAUGES {
                 let t = w[0] + (w[1] - w[0]) * (k as f64 + 0.5) / GAUGES as f64;
-                let j = sheet.jet(t);
+                let j = power_form.jet(t);
                 let nn = j.n.norm_squared();
                 if !(nn > 0.0 && nn.is_finite()) {
                     return None;
@@ -77,8 +77,8 @@ impl EnvelopeFamily {
                 gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(STANDS_STILL).unwrap_or_default() });
             }
         }
-        let (room, control) = (RegularityMargin::default(), Control::default());
-        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), room, control }, x))
+        let (margin, control) = (RegularityMargin::default(), Control::default());
+        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), margin, control }, x))
     }
 
     /// Planes with the coefficients `x`.
@@ -113,8 +113,8 @@ impl EnvelopeFamily {
     }
 
     /// Fast form of the torse with the coefficients `x`.
-    pub fn sheet(&self, x: &[f64]) -> Sheet {
-        Sheet::Dual { planes: self.planes(x) }
+    pub fn power_form(&self, x: &[f64]) -> PowerForm {
+        PowerForm::Dual { planes: self.planes(x) }
     }
 
     /// The same torse (nearly) on `spans` equal spans that reach `margin` of the feet's range beyond the feet.
@@ -127,17 +127,17 @@ impl EnvelopeFamily {
         let breaks: Vec<f64> = (0..=spans).map(|i| lo + (hi - lo) * i as f64 / spans as f64).collect();
         let basis = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let x = coefficients(&basis, &breaks, &self.planes(x));
-        let carrier = Self {
+        let bare = Self {
             points: Vec::new(),
             feet: Vec::new(),
             breaks,
             basis,
             gauges: Vec::new(),
             trial: Vec::new(),
-            room: RegularityMargin::default(),
+            margin: RegularityMargin::default(),
             control: Control::default(),
         };
-        let (family, x) = Self::new(self.points.clone(), Some(self.feet.clone()), carrier.planes(&x))?;
+        let (family, x) = Self::new(self.points.clone(), Some(self.feet.clone()), bare.planes(&x))?;
         Some((Self { control: self.control.clone(), ..family }, x))
     }
 }
@@ -167,16 +167,16 @@ impl Family for EnvelopeFamily {
     }
 
     fn residuals(&mut self, x: &[f64], active: &[usize], out: &mut Vec<f64>) -> bool {
-        let sheet = self.sheet(x);
-        let range = widened(sheet.domain());
+        let power_form = self.power_form(x);
+        let range = widened(power_form.domain());
         out.clear();
         self.trial.clear();
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for &i in active {
             let q = &self.points[i];
-            let Some(t) = sheet.foot(q, self.feet[i], range) else { return false };
-            let (d, regular) = sheet.distance(q, t);
-            if !d.is_finite() || !self.room.granted(&sheet, q, t) {
+            let Some(t) = power_form.foot(q, self.feet[i], range) else { return false };
+            let (d, regular) = power_form.distance(q, t);
+            if !d.is_finite() || !self.margin.granted(&power_form, q, t) {
                 return false;
             }
             least = least.min(regular);
@@ -192,14 +192,14 @@ impl Family for EnvelopeFamily {
     }
 
     fn irregular(&mut self, x: &[f64], samples: &[usize]) -> Vec<usize> {
-        let sheet = self.sheet(x);
-        let range = widened(sheet.domain());
+        let power_form = self.power_form(x);
+        let range = widened(power_form.domain());
         let feet: Vec<Option<(f64, f64)>> = samples
             .iter()
             .map(|&i| {
                 let q = &self.points[i];
-                let t = sheet.foot(q, self.feet[i], range)?;
-                self.room.granted(&sheet, q, t).then(|| (t, sheet.distance(q, t).1))
+                let t = power_form.foot(q, self.feet[i], range)?;
+                self.margin.granted(&power_form, q, t).then(|| (t, power_form.distance(q, t).1))
             })
             .collect();
         let regular = || feet.iter().flatten().map(|f| f.1);
@@ -224,12 +224,12 @@ impl Family for EnvelopeFamily {
 
     /// `∂d/∂(n_j, h_j) = B_j(t) (Y, −1)/|n|` with the foot point Y.
     fn jacobian(&mut self, x: &[f64], active: &[usize], residual: &[f64], rows: &mut Rows) {
-        let sheet = self.sheet(x);
+        let power_form = self.power_form(x);
         for (&i, r) in active.iter().zip(residual) {
             let t = self.feet[i];
             let s = span_of(&self.breaks, t);
             let u = t - self.breaks[s];
-            let n = sheet.jet(t).n;
+            let n = power_form.jet(t).n;
             let norm = n.norm();
             let foot = self.points[i] - n * (r / norm);
             let (_, row) = rows.push(4 * self.basis.first[s]);
@@ -320,17 +320,17 @@ mod tests {
                 Vec3::new(t.sin(), y, t.cos()) * 1.002
             })
             .collect();
-        let carrier = EnvelopeFamily {
+        let bare = EnvelopeFamily {
             points: vec![],
             feet: vec![],
             breaks,
             basis,
             gauges: vec![],
             trial: vec![],
-            room: RegularityMargin::default(),
+            margin: RegularityMargin::default(),
             control: Control::default(),
         };
-        let start = carrier.planes(&x);
+        let start = bare.planes(&x);
         let (mut family, x) = EnvelopeFamily::new(points, None, start).expect("family");
         let active: Vec<usize> = (0..10).collect();
         let (mut r, mut lo, mut hi) = (Vec::new(), Vec::new(), Vec::new());

@@ -6,7 +6,7 @@ use crate::torse::form::Torse;
 
 /// The fast form of a torse.
 #[derive(Clone, Debug)]
-pub(crate) enum Sheet {
+pub(crate) enum PowerForm {
     /// `(f, a)` and the quintic pieces of g, in the coordinates of the frame.
     Primal {
         /// Local coordinates.
@@ -85,31 +85,31 @@ pub(crate) struct RegularityMargin {
 
 impl RegularityMargin {
     /// What is kept of the room that the feet `points`, `feet` have: the wanted one, or nearly as much as there is.
-    pub fn kept(self, sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
+    pub fn kept(self, power_form: &PowerForm, points: &[Vec3], feet: &[f64]) -> Self {
         // Share of the room at hand that steps may not use up.
         const KEPT: f64 = 0.8;
         // Share of the wanted room that they may not use up where it is at hand.
         const NEEDED: f64 = 0.4;
-        let now = Self::least(sheet, points, feet);
+        let now = Self::least(power_form, points, feet);
         let kept = |wanted: f64, now: f64| wanted.min((KEPT * now).max(now.min(NEEDED * wanted)));
         Self { bend_radius: kept(self.bend_radius, now.bend_radius), clearance: kept(self.clearance, now.clearance) }
     }
 
     /// The least room at the feet of points.
-    pub fn least(sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
+    pub fn least(power_form: &PowerForm, points: &[Vec3], feet: &[f64]) -> Self {
         let most = Self { bend_radius: f64::INFINITY, clearance: f64::INFINITY };
-        points.iter().zip(feet).map(|(q, &t)| sheet.room(q, t)).fold(most, |least, now| Self {
+        points.iter().zip(feet).map(|(q, &t)| power_form.margin(q, t)).fold(most, |least, now| Self {
             bend_radius: least.bend_radius.min(now.bend_radius),
             clearance: least.clearance.min(now.clearance),
         })
     }
 
     /// Whether a torse has this room at the foot `t` of `q`.
-    pub fn granted(&self, sheet: &Sheet, q: &Vec3, t: f64) -> bool {
+    pub fn granted(&self, power_form: &PowerForm, q: &Vec3, t: f64) -> bool {
         if self.bend_radius <= 0.0 && self.clearance <= 0.0 {
             return true;
         }
-        let now = sheet.room(q, t);
+        let now = power_form.margin(q, t);
         now.bend_radius >= self.bend_radius && now.clearance >= self.clearance
     }
 
@@ -125,7 +125,7 @@ pub(crate) fn widened((lo, hi): (f64, f64)) -> (f64, f64) {
     (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo))
 }
 
-impl Sheet {
+impl PowerForm {
     /// The fast form of a torse whose splines are at most cubic; `None` otherwise.
     pub fn of(torse: &Torse) -> Option<Self> {
         match torse {
@@ -248,7 +248,7 @@ impl Sheet {
         self.nearest_foot_of(q, &self.plane_table())
     }
 
-    /// The planes of the table that [`Sheet::nearest_foot`] looks at: made once for many points.
+    /// The planes of the table that [`PowerForm::nearest_foot`] looks at: made once for many points.
     pub fn plane_table(&self) -> Vec<(f64, PlaneJet)> {
         let breaks = match self {
             Self::Primal { profile, .. } | Self::Cylinder { profile, .. } => &profile.breaks,
@@ -257,7 +257,7 @@ impl Sheet {
         table(breaks).map(|t| (t, self.jet(t))).collect()
     }
 
-    /// See [`Sheet::nearest_foot`].
+    /// See [`PowerForm::nearest_foot`].
     pub fn nearest_foot_of(&self, q: &Vec3, planes: &[(f64, PlaneJet)]) -> Option<f64> {
         let mut best: Option<(f64, f64)> = None;
         let mut before: Option<(f64, f64)> = None;
@@ -304,7 +304,7 @@ impl Sheet {
     }
 
     /// At the foot `t` of `q`: radius of curvature across the ruling, and distance along it to the regression curve.
-    pub fn room(&self, q: &Vec3, t: f64) -> RegularityMargin {
+    pub fn margin(&self, q: &Vec3, t: f64) -> RegularityMargin {
         let j = self.jet(t);
         let nn = j.n.norm_squared();
         let foot = q - j.n * ((j.n.dot(q) - j.h) / nn);
@@ -398,14 +398,14 @@ mod tests {
         let control = vec![[0.3, 0.1], [0.1, 0.0], [-0.2, 0.2], [0.3, 0.1], [0.5, -0.1]];
         let profile = Curve::new(3, knots, control).expect("profile");
         let torse = Torse::Primal(PrimalTorse::new(Frame::world(), profile, 0.2));
-        let sheet = Sheet::of(&torse).expect("cubic");
+        let power_form = PowerForm::of(&torse).expect("cubic");
         let x = Vec3::new(0.2, 0.3, 0.4);
         for t in [-0.9, -0.1, 0.5, 1.0] {
-            let (a, b) = (sheet.foot_function(&x, t), torse.foot_function(&x, t));
+            let (a, b) = (power_form.foot_function(&x, t), torse.foot_function(&x, t));
             assert!((a.0 - b.0).abs() < 1e-13 && (a.1 - b.1).abs() < 1e-12, "{a:?} {b:?}");
         }
-        let t = sheet.foot(&x, 0.0, (-1.0, 1.0)).expect("foot");
+        let t = power_form.foot(&x, 0.0, (-1.0, 1.0)).expect("foot");
         assert!((t - torse.foot(&x, 0.0).expect("foot")).abs() < 1e-12);
-        assert!((sheet.distance(&x, t).0 - torse.plane_distance(&x, t)).abs() < 1e-13);
+        assert!((power_form.distance(&x, t).0 - torse.plane_distance(&x, t)).abs() < 1e-13);
     }
 }

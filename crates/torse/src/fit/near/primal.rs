@@ -8,7 +8,7 @@ use super::descent::ENOUGH;
 use super::descent::{descended, largest, polished, repaired, Family};
 use super::directions::{candidates, mean_direction, spans, Candidate, Counts, MARGIN};
 use super::plane::plane;
-use super::power_form::{RegularityMargin, Sheet};
+use super::power_form::{PowerForm, RegularityMargin};
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::{measure, thin, Fit, Sample};
 use crate::control::Control;
@@ -246,15 +246,15 @@ pub(crate) fn finished(
     kind: PanelKind,
     samples: &[Sample],
 ) -> Option<Fit> {
-    let sheet = family.sheet(x);
-    let Sheet::Primal { profile, .. } = &sheet else { return None };
+    let power_form = family.power_form(x);
+    let PowerForm::Primal { profile, .. } = &power_form else { return None };
     // Feet of all samples, wherever they are on the continued torse.
     let (lo, hi) = profile.domain();
     let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
     let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut feet = Vec::with_capacity(samples.len());
     for (q, &guess) in family.points.iter().zip(&family.feet) {
-        let t = sheet.foot(q, guess, wide)?;
+        let t = power_form.foot(q, guess, wide)?;
         (a, b) = (a.min(t), b.max(t));
         feet.push(t * unit);
     }
@@ -262,7 +262,7 @@ pub(crate) fn finished(
     // An end piece shorter than a quarter of a span would have ill-conditioned knots.
     let shortest = 0.25 * (hi - lo) / profile.power.len() as f64;
     let on = profile.on(a - margin, b + margin, shortest);
-    let beta = sheet.slope(on.breaks[0]);
+    let beta = power_form.slope(on.breaks[0]);
     let scaled = Pieces {
         breaks: on.breaks.iter().map(|t| t * unit).collect(),
         power: on
@@ -272,7 +272,7 @@ pub(crate) fn finished(
             .collect(),
     };
     let torse = Torse::Primal(PrimalTorse::new(frame, scaled.to_curve().ok()?, beta));
-    let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
+    let (error, worst) = measure(&PowerForm::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind, error, worst })
 }
 

@@ -3,7 +3,7 @@
 
 use super::basis::{cubic, Basis};
 use super::descent::Family;
-use super::power_form::{quintic, slope_integral, widened, RegularityMargin, Sheet};
+use super::power_form::{quintic, slope_integral, widened, PowerForm, RegularityMargin};
 use crate::control::Control;
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::Rows;
@@ -50,7 +50,7 @@ pub(crate) struct ProfileFamily {
     /// Largest |y| of the samples.
     reach: f64,
     /// Steps after which a sample has less room are refused.
-    room: RegularityMargin,
+    margin: RegularityMargin,
     /// Ends fits early.
     pub control: Control,
 }
@@ -61,9 +61,9 @@ impl ProfileFamily {
         let f = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let a = Self::slope_basis(&breaks, &slopes)?;
         let reach = points.iter().fold(LEAST_REACH, |m, q| m.max(q.y.abs()));
-        let room = RegularityMargin::default();
+        let margin = RegularityMargin::default();
         let control = Control::default();
-        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, room, control })
+        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, margin, control })
     }
 
     fn slope_basis(breaks: &[f64], slopes: &Slopes) -> Option<Basis> {
@@ -76,13 +76,13 @@ impl ProfileFamily {
 
     /// The same samples with other spans and slopes, and the coefficients nearest to those of `x`.
     pub fn changed(&self, x: &[f64], breaks: Vec<f64>, slopes: Slopes) -> Option<(Self, Vec<f64>)> {
-        let sheet = self.sheet(x);
-        let Sheet::Primal { profile, .. } = &sheet else { return None };
+        let power_form = self.power_form(x);
+        let PowerForm::Primal { profile, .. } = &power_form else { return None };
         let f = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let a = Self::slope_basis(&breaks, &slopes)?;
         let mut y = f.project(&breaks, |t| profile.jet(t)[0][0]);
         y.extend(a.project(&breaks, |t| profile.jet(t)[0][1]));
-        y.push(sheet.slope(breaks[0]));
+        y.push(power_form.slope(breaks[0]));
         let family = Self { f, a, slopes, breaks, trial: Vec::new(), ..self.clone() };
         Some((family, y))
     }
@@ -96,7 +96,7 @@ impl ProfileFamily {
     }
 
     /// Fast form of the torse with the coefficients `x`, in the samples' own coordinates.
-    pub fn sheet(&self, x: &[f64]) -> Sheet {
+    pub fn power_form(&self, x: &[f64]) -> PowerForm {
         let (nf, na) = (self.f.count, self.a.count);
         let power = (0..self.breaks.len() - 1).map(|s| {
             let f = self.f.combine(s, &x[..nf]);
@@ -104,7 +104,7 @@ impl ProfileFamily {
             std::array::from_fn(|k| [f[k], a[k]])
         });
         let profile = Pieces { power: power.collect(), breaks: self.breaks.clone() };
-        Sheet::primal(Frame::world(), profile, x[nf + na])
+        PowerForm::primal(Frame::world(), profile, x[nf + na])
     }
 
     /// Rows with the third differences of f and the second differences of a, span by span.
@@ -136,7 +136,7 @@ impl ProfileFamily {
 
     /// From now on the torse keeps the wanted room at the samples, or nearly as much as it has at `x`.
     pub fn keep_margin(&mut self, x: &[f64], wanted: RegularityMargin) {
-        self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
+        self.margin = wanted.kept(&self.power_form(x), &self.points, &self.feet);
     }
 
     /// Smallest and largest foot.
@@ -159,15 +159,15 @@ impl Family for ProfileFamily {
     }
 
     fn residuals(&mut self, x: &[f64], active: &[usize], out: &mut Vec<f64>) -> bool {
-        let sheet = self.sheet(x);
-        let range = widened(sheet.domain());
+        let power_form = self.power_form(x);
+        let range = widened(power_form.domain());
         out.clear();
         self.trial.clear();
         for &i in active {
             let q = &self.points[i];
-            let Some(t) = sheet.foot(q, self.feet[i], range) else { return false };
-            let (d, regular) = sheet.distance(q, t);
-            if !(regular > REGULAR && d.is_finite() && self.room.granted(&sheet, q, t)) {
+            let Some(t) = power_form.foot(q, self.feet[i], range) else { return false };
+            let (d, regular) = power_form.distance(q, t);
+            if !(regular > REGULAR && d.is_finite() && self.margin.granted(&power_form, q, t)) {
                 return false;
             }
             out.push(d);
@@ -181,13 +181,15 @@ impl Family for ProfileFamily {
     }
 
     fn irregular(&mut self, x: &[f64], samples: &[usize]) -> Vec<usize> {
-        let sheet = self.sheet(x);
-        let range = widened(sheet.domain());
+        let power_form = self.power_form(x);
+        let range = widened(power_form.domain());
         let mut out = Vec::new();
         for &i in samples {
             let q = &self.points[i];
-            match sheet.foot(q, self.feet[i], range) {
-                Some(t) if sheet.distance(q, t).1 > REGULAR && self.room.granted(&sheet, q, t) => self.feet[i] = t,
+            match power_form.foot(q, self.feet[i], range) {
+                Some(t) if power_form.distance(q, t).1 > REGULAR && self.margin.granted(&power_form, q, t) => {
+                    self.feet[i] = t
+                }
                 _ => out.push(i),
             }
         }
@@ -204,8 +206,8 @@ impl Family for ProfileFamily {
     /// y is that of the foot point: exact to first order.
     fn jacobian(&mut self, x: &[f64], active: &[usize], residual: &[f64], rows: &mut Rows) {
         let (nf, na) = (self.f.count, self.a.count);
-        let sheet = self.sheet(x);
-        let Sheet::Primal { profile, .. } = &sheet else { return };
+        let power_form = self.power_form(x);
+        let PowerForm::Primal { profile, .. } = &power_form else { return };
         let spans = self.breaks.len() - 1;
         // Integrals from the start of the domain to each break, and on the spans.
         let mut before_f = vec![0.0; (spans + 1) * nf];
@@ -235,7 +237,7 @@ impl Family for ProfileFamily {
             let t = self.feet[i];
             let s = span_of(&self.breaks, t);
             let u = t - self.breaks[s];
-            let jet = sheet.jet(t);
+            let jet = power_form.jet(t);
             let norm = jet.n.norm();
             let y = self.points[i].y - r * jet.n.y / norm;
             let scale = -1.0 / norm;

@@ -1,6 +1,6 @@
 //! What is fitted, what comes out, and the choice of few samples out of many.
 
-use super::power_form::Sheet;
+use super::power_form::PowerForm;
 use crate::geom::{BBox, Vec3};
 use crate::torse::form::{PanelKind, Torse};
 use rayon::prelude::*;
@@ -40,52 +40,52 @@ pub(crate) const REGULAR_DUAL: f64 = 1e-6;
 /// the sample with it. `None` if there is no sample, a foot is missing (it would leave the domain), or the torse is not
 /// regular at a foot.
 pub fn error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
-    let sheet = Sheet::of(torse)?;
-    let guesses = sheet.guesses();
+    let power_form = PowerForm::of(torse)?;
+    let guesses = power_form.guesses();
     let mut feet = vec![0.0; samples.len()];
     for (t, s) in feet.iter_mut().zip(samples) {
-        let q = sheet.local(&s.x);
+        let q = power_form.local(&s.x);
         *t = guesses.guess(&q);
     }
-    measure(&sheet, samples, &mut feet).or_else(|| {
+    measure(&power_form, samples, &mut feet).or_else(|| {
         // A guess may have led to a foot on another fold.
         for (t, s) in feet.iter_mut().zip(samples) {
-            *t = sheet.nearest_foot(&sheet.local(&s.x))?;
+            *t = power_form.nearest_foot(&power_form.local(&s.x))?;
         }
-        measure(&sheet, samples, &mut feet)
+        measure(&power_form, samples, &mut feet)
     })
 }
 
 /// As [`error`], where a torse comes round again: samples count with the nearest of their feet, since a guess may lead to what goes
 /// on beyond its other end.
 pub fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
-    let sheet = Sheet::of(torse)?;
-    let planes = sheet.plane_table();
-    let nearest = |s: &Sample| sheet.nearest_foot_of(&sheet.local(&s.x), &planes);
+    let power_form = PowerForm::of(torse)?;
+    let planes = power_form.plane_table();
+    let nearest = |s: &Sample| power_form.nearest_foot_of(&power_form.local(&s.x), &planes);
     let feet: Option<Vec<f64>> = samples.par_iter().map(nearest).collect();
-    measure(&sheet, samples, &mut feet?)
+    measure(&power_form, samples, &mut feet?)
 }
 
 /// The samples farther than `bound` (mm) from the torse; those without a foot are left out.
 pub fn beyond(torse: &Torse, samples: Vec<Sample>, bound: f64) -> Vec<Sample> {
-    let Some(sheet) = Sheet::of(torse) else { return Vec::new() };
-    let (guesses, domain) = (sheet.guesses(), sheet.domain());
+    let Some(power_form) = PowerForm::of(torse) else { return Vec::new() };
+    let (guesses, domain) = (power_form.guesses(), power_form.domain());
     let far = |s: &Sample| {
-        let q = sheet.local(&s.x);
-        sheet.foot(&q, guesses.guess(&q), domain).is_some_and(|t| sheet.distance(&q, t).0.abs() > bound)
+        let q = power_form.local(&s.x);
+        power_form.foot(&q, guesses.guess(&q), domain).is_some_and(|t| power_form.distance(&q, t).0.abs() > bound)
     };
     samples.into_iter().filter(far).collect()
 }
 
 /// As [`error`], with first guesses of the feet in `feet`; leaves the feet there.
-pub(crate) fn measure(sheet: &Sheet, samples: &[Sample], feet: &mut [f64]) -> Option<(f64, usize)> {
-    let domain = sheet.domain();
+pub(crate) fn measure(power_form: &PowerForm, samples: &[Sample], feet: &mut [f64]) -> Option<(f64, usize)> {
+    let domain = power_form.domain();
     let mut worst = (-1.0, 0);
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for (i, (s, t)) in samples.iter().zip(feet.iter_mut()).enumerate() {
-        let q = sheet.local(&s.x);
-        *t = sheet.foot(&q, *t, domain)?;
-        let (d, regular) = sheet.distance(&q, *t);
+        let q = power_form.local(&s.x);
+        *t = power_form.foot(&q, *t, domain)?;
+        let (d, regular) = power_form.distance(&q, *t);
         if !d.is_finite() {
             return None;
         }
@@ -95,9 +95,9 @@ pub(crate) fn measure(sheet: &Sheet, samples: &[Sample], feet: &mut [f64]) -> Op
             worst = (d.abs(), i);
         }
     }
-    let regular = match sheet {
-        Sheet::Primal { .. } => least > REGULAR_PRIMAL,
-        Sheet::Dual { .. } | Sheet::Cylinder { .. } => {
+    let regular = match power_form {
+        PowerForm::Primal { .. } => least > REGULAR_PRIMAL,
+        PowerForm::Dual { .. } | PowerForm::Cylinder { .. } => {
             least.min(-most).max(least.max(-most)) > REGULAR_DUAL * least.abs().max(most.abs())
         }
     };

@@ -132,9 +132,9 @@ impl Borders<'_> {
         let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
         let mut places: HashMap<u32, [f64; 2]> =
             feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
-        let walled = loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
-        let mut walls = HashMap::new();
-        if walled {
+        let on_normals = loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
+        let mut normal_places = HashMap::new();
+        if on_normals {
             let at = |v: u32| self.partition.vertices[v as usize];
             let bad = |v: u32| BoundaryError::Foot { label, uv: at(v) };
             // Vertices of a border that is a point in space (a pole, where the face has no normal) share one place.
@@ -146,7 +146,7 @@ impl Borders<'_> {
                 let (t, x) = on_normal(x, &normal, assigned.torse, p[0]).ok_or_else(|| bad(v))?;
                 *p = [t, convert::parameters(&patch, t, &x)];
             }
-            walls = places.clone();
+            normal_places = places.clone();
             for stretch in loops.iter().flatten() {
                 let Some(shared) = self.shared.get(&stretch.chain) else { continue };
                 for (&v, &s) in self.chains[stretch.chain].vertices.iter().zip(&shared.parameters) {
@@ -180,7 +180,9 @@ impl Borders<'_> {
                 let ends = [vertices[0], vertices[vertices.len() - 1]];
                 let aim = match &shared_edge {
                     Some(edge) => Aim::Edge(edge, chain.length),
-                    None if walled => Aim::Wall(ends.map(|v| [0, 1].map(|d| places[&v][d] - walls[&v][d]))),
+                    None if on_normals => {
+                        Aim::Normals(ends.map(|v| [0, 1].map(|d| places[&v][d] - normal_places[&v][d])))
+                    }
                     None => Aim::Feet,
                 };
                 let path = Path {
@@ -211,7 +213,7 @@ impl Borders<'_> {
                 };
                 runs.push(Coedge { border, vertices, parameters, trim: fitted.curve, edge });
             }
-            if walled {
+            if on_normals {
                 ends_on_shared_edges(&mut runs, l, &|chain| self.shared.contains_key(&chain));
             }
             out.push(runs);

@@ -7,9 +7,9 @@
 
 use super::cut_off::{cut_off, Side, Way};
 use super::trim::{edge, trim, Waypoint};
+use crate::brep::boundary_stretch::{boundary_stretches, BoundaryStretch};
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
-use crate::brep::run::{runs, Run};
 use crate::geom::Vec3;
 use crate::patchwork::foot_map::FootMap;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim};
@@ -44,7 +44,7 @@ const NOTED: usize = 16;
 /// A face on its own rulings.
 pub(crate) struct OnRulings<'a> {
     face: &'a Face,
-    runs: Vec<Run>,
+    runs: Vec<BoundaryStretch>,
     /// The rulings over the whole face: u selects one, v in [0, 1] runs along it.
     patch: Surface,
     /// Its border in the parameter plane of the patch.
@@ -63,7 +63,7 @@ impl<'a> OnRulings<'a> {
         let surface = if swapped { face.surface.transposed() } else { face.surface.clone() };
         let ((a, b), (lo, hi)) = (rulings.range(), rulings.reach());
         let ends = [lo, hi].map(|v| surface.curve_at_v(v));
-        let room = rooms((a, b), &ends, rulings.meet())?;
+        let room = rooms((a, b), &ends, rulings.end_in_points())?;
         let (first, last) = surface.knots_u.domain();
         let beside = ROOM * (b - a);
         let (from, to) = ((a - beside).max(first), (b + beside).min(last));
@@ -106,7 +106,7 @@ impl<'a> OnRulings<'a> {
     /// The border, along the runs of the face in the sense of its parameter plane.
     fn follow(&mut self) {
         let ((a, b), _) = self.patch.domain();
-        for mut own in runs(self.face) {
+        for mut own in boundary_stretches(self.face) {
             let first = self.runs.len();
             let count = own.len();
             self.runs.append(&mut own);

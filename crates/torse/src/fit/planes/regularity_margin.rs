@@ -26,13 +26,13 @@ const FAR: f64 = 1e3;
 /// Whether the regression curve of a torse keeps to the limits at the rulings of these points. Points without a foot on
 /// the torse do not count.
 pub(crate) fn keeps(torse: &Torse, reaches: &[Reach], limits: &RegressionLimits) -> bool {
-    let Some(sheet) = crate::fit::near::power_form::Sheet::of(torse) else { return false };
-    let guesses = sheet.guesses();
+    let Some(power_form) = crate::fit::near::power_form::PowerForm::of(torse) else { return false };
+    let guesses = power_form.guesses();
     let feet: Vec<(f64, Reach)> = reaches
         .iter()
         .filter_map(|r| {
-            let q = sheet.local(&r.0);
-            Some((sheet.foot(&q, guesses.guess(&q), sheet.domain())?, *r))
+            let q = power_form.local(&r.0);
+            Some((power_form.foot(&q, guesses.guess(&q), power_form.domain())?, *r))
         })
         .collect();
     if feet.is_empty() {

@@ -160,7 +160,7 @@ pub fn across(samples: &[Sample]) -> Option<Field> {
 }
 
 /// A function whose level lines are strip boundaries, not yet to scale.
-fn along(samples: &[Sample], boundaries: Boundaries) -> Option<Field> {
+fn boundary_function(samples: &[Sample], boundaries: Boundaries) -> Option<Field> {
     let linear = |a: f64, b: f64| {
         let mut field = Field::bicubic(room(samples), 1).ok()?;
         field.set_linear(a, b);
@@ -177,7 +177,7 @@ impl Chart {
     /// Coordinates from a function that is constant along rulings, with strip boundaries of one sort; `None` where they
     /// are none: where either function stands still or both have the same level lines.
     pub fn new(samples: &[Sample], across: Across, boundaries: Boundaries) -> Option<Self> {
-        let along = along(samples, boundaries)?;
+        let along = boundary_function(samples, boundaries)?;
         let (along, least_angle_sine) = to_scale(samples, along)?;
         Self::of(samples, across, along, least_angle_sine)
     }

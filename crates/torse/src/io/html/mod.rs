@@ -57,7 +57,9 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
     let capital = capitalised(&plural);
     let main = fill(PAGE, |name| match name {
         "result" => if covers { "Certificate" } else { "Result" }.into(),
-        "certificate" if covers => words::certificate(report) + &tables::seams(report) + &tables::along(report),
+        "certificate" if covers => {
+            words::certificate(report) + &tables::seams(report) + &tables::panels_along_curves(report)
+        }
         "certificate" => words::result(report),
         "warnings" => words::warnings(report),
         "panel_count" => counted(report.panels.len(), thing),

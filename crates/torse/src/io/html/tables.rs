@@ -372,7 +372,7 @@ pub(super) fn joins(report: &Report) -> String {
 }
 
 /// The table of panels along curves, if there are any.
-pub(super) fn along(report: &Report) -> String {
+pub(super) fn panels_along_curves(report: &Report) -> String {
     if report.along.is_empty() {
         return String::new();
     }

@@ -20,7 +20,7 @@ use crate::io::{bend_table, bends, words};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
 use crate::tessellate::coverage;
-use crate::torse::kind::RunShape;
+use crate::torse::kind::EnvelopeShape;
 use std::collections::{BTreeMap, HashMap};
 
 impl Report {
@@ -325,10 +325,10 @@ fn shape_record(shape: &Shape, answer: &Answer) -> ShapeRecord {
         k.and_then(|k| answer.patchwork.panels.get(k.0)).map_or_else(String::new, |p| p.strip.name.clone())
     };
     let vector = match shape.shape {
-        RunShape::Plane { plane } => Some(plane.normal),
-        RunShape::Cylinder { direction } => Some(direction),
-        RunShape::Cone { apex } => Some(apex),
-        RunShape::Tangent => None,
+        EnvelopeShape::Plane { plane } => Some(plane.normal),
+        EnvelopeShape::Cylinder { direction } => Some(direction),
+        EnvelopeShape::Cone { apex } => Some(apex),
+        EnvelopeShape::Tangent => None,
     };
     ShapeRecord {
         part: shape.part.clone(),

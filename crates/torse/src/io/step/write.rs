@@ -1,6 +1,6 @@
-//! STEP writer: sheets of trimmed faces in an AP214 file, millimetres and radians.
+//! STEP writer: shells of trimmed faces in an AP214 file, millimetres and radians.
 //!
-//! Every sheet becomes one OPEN_SHELL in a SHELL_BASED_SURFACE_MODEL of its own, named, so that CAD systems show it
+//! Every shell becomes one OPEN_SHELL in a SHELL_BASED_SURFACE_MODEL of its own, named, so that CAD systems show it
 //! as a separate body; faces carry names too. Numbers are written so that they read back bit for bit; rational
 //! control points are written divided by their weights, which rounds each coordinate once.
 //! The writer neither checks nor repairs geometry.
@@ -9,14 +9,14 @@ mod cones;
 mod geometry;
 mod records;
 pub(crate) mod sewn;
-mod sheet;
+mod shell;
 
 use std::io;
 
 use crate::geom::Frame;
 use crate::patchwork::panel::Patchwork;
 use records::{boolean, list, real, references, string, Records};
-pub use sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface, SurfaceForm};
+pub use shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface, SurfaceForm};
 
 /// What the file says about itself.
 #[derive(Clone, Debug)]
@@ -30,20 +30,20 @@ pub struct Header {
 }
 
 /// Writes the panels of a patchwork, normals on the side of the input faces' normals: panels that share edges are
-/// sewn into one sheet, the others are sheets of their own. Names of panels that `marked` holds for say that they must not
+/// sewn into one shell, the others are shells of their own. Names of panels that `marked` holds for say that they must not
 /// be cut.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn panels(out: &mut dyn io::Write, header: &Header, patchwork: &Patchwork, marked: &[bool]) -> io::Result<()> {
-    self::sheets(out, header, &sewn::sheets(patchwork, marked))
+    self::shells(out, header, &sewn::shells(patchwork, marked))
 }
 
-/// Writes sheets.
+/// Writes shells.
 ///
 /// # Errors
 /// Those of `out`; an edge or vertex number that is out of range ([`io::ErrorKind::InvalidInput`]).
-pub fn sheets(out: &mut dyn io::Write, header: &Header, sheets: &[Sheet]) -> io::Result<()> {
+pub fn shells(out: &mut dyn io::Write, header: &Header, shells: &[Shell]) -> io::Result<()> {
     let mut r = Records::default();
     let product = product(&mut r, &header.name);
     let context = context(&mut r, header.uncertainty);
@@ -51,7 +51,7 @@ pub fn sheets(out: &mut dyn io::Write, header: &Header, sheets: &[Sheet]) -> io:
         "(GEOMETRIC_REPRESENTATION_CONTEXT(2) PARAMETRIC_REPRESENTATION_CONTEXT() REPRESENTATION_CONTEXT('2D SPACE',''))",
     );
     let mut items = vec![geometry::placement(&mut r, &Frame::world())];
-    for s in sheets {
+    for s in shells {
         items.push(shell_model(&mut r, s, plane)?);
     }
     let shape = r.push(&format!(
@@ -109,8 +109,8 @@ fn context(r: &mut Records, uncertainty: f64) -> u64 {
     ))
 }
 
-/// One sheet; answers its SHELL_BASED_SURFACE_MODEL.
-fn shell_model(r: &mut Records, s: &Sheet, plane: u64) -> io::Result<u64> {
+/// One shell; answers its SHELL_BASED_SURFACE_MODEL.
+fn shell_model(r: &mut Records, s: &Shell, plane: u64) -> io::Result<u64> {
     let vertices: Vec<u64> = s
         .vertices
         .iter()
@@ -139,7 +139,7 @@ fn shell_model(r: &mut Records, s: &Sheet, plane: u64) -> io::Result<u64> {
 }
 
 /// The space curve of edge `i` together with its curves in the parameter planes of the faces that it bounds.
-fn with_trims(r: &mut Records, s: &Sheet, surfaces: &[u64], i: usize, space: u64, plane: u64) -> u64 {
+fn with_trims(r: &mut Records, s: &Shell, surfaces: &[u64], i: usize, space: u64, plane: u64) -> u64 {
     let mut trims = Vec::new();
     let mut seam = false;
     for (f, &surface) in s.faces.iter().zip(surfaces) {
@@ -159,7 +159,7 @@ fn with_trims(r: &mut Records, s: &Sheet, surfaces: &[u64], i: usize, space: u64
 }
 
 /// One face; answers its ADVANCED_FACE.
-fn face(r: &mut Records, s: &Sheet, f: &SheetFace, surface: u64, edges: &[u64]) -> io::Result<u64> {
+fn face(r: &mut Records, s: &Shell, f: &ShellFace, surface: u64, edges: &[u64]) -> io::Result<u64> {
     let mut bounds = Vec::with_capacity(f.loops.len());
     for (k, uses) in f.loops.iter().enumerate() {
         let mut oriented = Vec::with_capacity(uses.len());
@@ -176,8 +176,8 @@ fn face(r: &mut Records, s: &Sheet, f: &SheetFace, surface: u64, edges: &[u64]) 
     Ok(r.push(&format!("ADVANCED_FACE({},{},#{surface},{})", string(&f.name), list(bounds), boolean(!f.reversed))))
 }
 
-fn out_of_range(sheet: &str, what: &str, index: usize) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, format!("sheet {sheet:?} names {what} {index}, which it does not have"))
+fn out_of_range(shell: &str, what: &str, index: usize) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, format!("sheet {shell:?} names {what} {index}, which it does not have"))
 }
 
 #[cfg(test)]
@@ -235,16 +235,16 @@ mod tests {
         }
     }
 
-    fn written(sheet: Sheet) -> String {
+    fn written(shell: Shell) -> String {
         let header = Header { name: "test".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
         let mut out = Vec::new();
-        sheets(&mut out, &header, &[sheet]).expect("written");
+        shells(&mut out, &header, &[shell]).expect("written");
         String::from_utf8(out).expect("text").replace('\n', "")
     }
 
     #[test]
     fn every_reference_points_back_to_a_record() {
-        let text = written(Sheet::of_panel(&panel(false), false));
+        let text = written(Shell::of_panel(&panel(false), false));
         let data = text.split_once("DATA;").expect("a data section").1;
         for (known, record) in data.split(';').filter(|r| r.starts_with('#')).enumerate() {
             let (id, body) = record.split_once('=').expect("a record");
@@ -279,20 +279,20 @@ mod tests {
         pole.trim.control.fill(place);
         pole.edge.control.fill(point);
         outer.insert(0, pole);
-        let without = written(Sheet::of_panel(&panel(false), false));
-        assert_eq!(written(Sheet::of_panel(&with_pole, false)), without);
+        let without = written(Shell::of_panel(&panel(false), false));
+        assert_eq!(written(Shell::of_panel(&with_pole, false)), without);
     }
 
     #[test]
     fn the_sense_of_a_face_follows_its_loops_and_the_input_face() {
         let same_sense = |mirrored, reversed| {
-            let text = written(Sheet::of_panel(&panel(mirrored), reversed));
+            let text = written(Shell::of_panel(&panel(mirrored), reversed));
             let face = text.split("ADVANCED_FACE(").nth(1).expect("a face");
             face.split_once(");").expect("its end").0.ends_with(".T.")
         };
         assert!(same_sense(false, false) && !same_sense(true, false));
         assert!(!same_sense(false, true) && same_sense(true, true));
-        let uses = written(Sheet::of_panel(&panel(false), true));
+        let uses = written(Shell::of_panel(&panel(false), true));
         assert_eq!(uses.matches("ORIENTED_EDGE('',*,*,#").count(), 8);
         assert!(uses.split("ORIENTED_EDGE(").skip(1).all(|u| u.split(';').next().is_some_and(|u| u.ends_with(".F.)"))));
     }
@@ -302,7 +302,7 @@ mod tests {
         let knots = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
         let points = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::x() + Vec3::y()];
         let s = Surface::new(knots.clone(), knots, &points, Some(&[1.0, 0.5, 1.0, 1.0])).expect("surface");
-        let text = written(Sheet::untrimmed("twisted", &s));
+        let text = written(Shell::untrimmed("twisted", &s));
         assert!(text.contains("RATIONAL_B_SPLINE_SURFACE(((1.,0.5),(1.,1.)))"));
         assert_eq!(text.matches("RATIONAL_B_SPLINE_CURVE((").count(), 4);
         // Control point (1, 0, 0) of weight 0.5 is written as itself, not times its weight.
@@ -311,10 +311,10 @@ mod tests {
 
     #[test]
     fn an_edge_that_does_not_exist_is_an_error() {
-        let mut sheet = Sheet::of_panel(&panel(false), false);
-        sheet.faces[0].loops[0][0].edge = 99;
+        let mut shell = Shell::of_panel(&panel(false), false);
+        shell.faces[0].loops[0][0].edge = 99;
         let header = Header { name: String::new(), time: String::new(), uncertainty: 1e-6 };
-        let error = sheets(&mut Vec::new(), &header, &[sheet]).expect_err("refused");
+        let error = shells(&mut Vec::new(), &header, &[shell]).expect_err("refused");
         assert!(error.to_string().contains("edge 99"), "{error}");
     }
 }

@@ -7,7 +7,7 @@ use super::records::{self, Object};
 use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::space_curve::SpaceCurve;
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -75,7 +75,7 @@ fn unusable(e: impl std::fmt::Display) -> Fault {
 
 fn spline(surface: Surface) -> Patch {
     let (u, v) = surface.domain();
-    let support = SupportSurface::Spline(SplineCarrier::new(surface));
+    let support = SupportSurface::Spline(SplineSupport::new(surface));
     Patch::simple(support, [u, v], SurfaceKind::Spline)
 }
 

@@ -40,7 +40,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::JoinAngle(k) => format!("angle along join {k}"),
         What::FoldGap(k) => format!("distance of both sides of fold {k} laid flat"),
         What::SeamGap => "seam gap".into(),
-        What::CarrierDistance => {
+        What::MapSurfaceDistance => {
             "distance of faces and their edges from the planes, cylinders and cones laid flat".into()
         }
         What::JointGap => "gap of joints inside flat parts".into(),
@@ -130,7 +130,7 @@ pub fn id(what: What) -> &'static str {
         What::JoinAngle(_) => "join_angle",
         What::FoldGap(_) => "fold_gap",
         What::SeamGap => "seam_gap",
-        What::CarrierDistance => "carrier_distance",
+        What::MapSurfaceDistance => "carrier_distance",
         What::JointGap => "joint_gap",
         What::Twist => "twist",
         What::RegressionClearance => "regression_clearance",
@@ -216,7 +216,7 @@ pub fn unit(what: What) -> &'static str {
         | What::TargetDistance(_)
         | What::JoinGap(_)
         | What::SeamGap
-        | What::CarrierDistance
+        | What::MapSurfaceDistance
         | What::JointGap
         | What::RegressionClearance
         | What::BendRadius

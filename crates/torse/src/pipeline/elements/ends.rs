@@ -77,7 +77,7 @@ impl Ends {
             return Vec::new();
         }
         let (mut given, mut between): (Vec<Vec3>, Vec<[u32; 4]>) = (Vec::new(), Vec::new());
-        for (ends, pairs) in self.borders.iter().flatten().map(GivenBorder::sheet) {
+        for (ends, pairs) in self.borders.iter().flatten().map(GivenBorder::points_and_cells) {
             let first = given.len() as u32;
             given.extend(ends);
             between.extend(pairs.into_iter().map(|t| t.map(|k| k + first)));

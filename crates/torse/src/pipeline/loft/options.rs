@@ -1,7 +1,7 @@
 //! What a loft is asked for.
 
 use crate::develop::view::Drawn;
-use crate::search::strips::judgement::TWIST_TOLERANCE;
+use crate::search::strips::assessment::TWIST_TOLERANCE;
 pub use crate::search::strips::loft_ends::{Ends, Extension};
 
 /// How rulings are chosen.

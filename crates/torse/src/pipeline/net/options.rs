@@ -2,7 +2,7 @@
 
 use crate::develop::view::Drawn;
 use crate::geom::Vec3;
-use crate::search::strips::judgement::TWIST_TOLERANCE;
+use crate::search::strips::assessment::TWIST_TOLERANCE;
 
 /// What decides the net besides its curve and first ruling. The curve's parameter runs from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]

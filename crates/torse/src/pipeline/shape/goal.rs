@@ -7,7 +7,7 @@ use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::io::shape::TargetRecord;
 use crate::io::{cloud, step};
-use crate::search::trims::trims_judged;
+use crate::search::trims::assess_trims;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ impl Goal {
             if model.faces.is_empty() {
                 return Err(format!("{file} holds no face that can be read"));
             }
-            return Ok(Self::Faces(trims_judged(model.faces, tolerance).faces));
+            return Ok(Self::Faces(assess_trims(model.faces, tolerance).faces));
         }
         let read = |unit| cloud::read_noted(file, &bytes, unit).map_err(|e| e.to_string());
         Ok(Self::Cloud(match read(None)? {

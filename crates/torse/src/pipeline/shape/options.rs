@@ -3,7 +3,7 @@
 use crate::design::composite::{At, CompositeError};
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
-use crate::search::strips::judgement::TWIST_TOLERANCE;
+use crate::search::strips::assessment::TWIST_TOLERANCE;
 use crate::spline::SplineError;
 
 /// What the job is asked for.

@@ -1,7 +1,7 @@
 //! Rails that a job takes from other files: those of strips as their files hold them, and those of lofts.
 
 use crate::io::curves::{self, CurveOptions};
-use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenStrip};
+use crate::patchwork::written::{WrittenBase, WrittenCurve, WrittenStrip};
 use crate::spline::curve::Curve;
 use crate::torse::rail::Rail;
 
@@ -25,8 +25,8 @@ pub(super) fn rails(s: &WrittenStrip) -> Option<[Curve<4>; 2]> {
         }
         // A plane has its rails as edges: the first, and the one before the last, which runs back.
         WrittenBase::Plane { .. } => {
-            let along = |k: usize| match &s.sides.get(k)?.course {
-                WrittenCourse::Spline { curve, weights } => {
+            let along = |k: usize| match &s.sides.get(k)?.curve {
+                WrittenCurve::Spline { curve, weights } => {
                     let weight = |i: usize| weights.get(i).copied().unwrap_or(1.0);
                     let lifted = curve.control.iter().enumerate().map(|(i, p)| {
                         let w = weight(i);
@@ -34,12 +34,12 @@ pub(super) fn rails(s: &WrittenStrip) -> Option<[Curve<4>; 2]> {
                     });
                     Some(Curve { knots: curve.knots.clone(), control: lifted.collect() })
                 }
-                WrittenCourse::Line { .. } => {
+                WrittenCurve::Line { .. } => {
                     let [p, q] = s.sides[k].vertices;
                     let ends = [p, q].map(|p| [p[0], p[1], p[2], 1.0]);
                     Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], ends.to_vec()).ok()
                 }
-                WrittenCourse::Circle { .. } => None,
+                WrittenCurve::Circle { .. } => None,
             };
             if s.sides.len() == 3 {
                 // A triangle: its second rail is a point.

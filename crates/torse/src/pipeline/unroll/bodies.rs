@@ -3,8 +3,8 @@
 use super::{UnrollError, UnrollOptions, UNFOLDED};
 use crate::answer::skipped::Skipped;
 use crate::brep::area::area_estimate;
+use crate::brep::boundary_stretch::boundary_stretches;
 use crate::brep::face::Face;
-use crate::brep::run::runs;
 use crate::control::Control;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
@@ -45,7 +45,7 @@ pub(super) fn flat_parts_of(
         }
     }
     if let Joins::Named(edges) = &options.joins {
-        let known: HashSet<u64> = faces.iter().flat_map(runs).flatten().map(|r| r.entity).collect();
+        let known: HashSet<u64> = faces.iter().flat_map(boundary_stretches).flatten().map(|r| r.entity).collect();
         if let Some(edge) = edges.iter().find(|e| !known.contains(e)) {
             return Err(UnrollError::Edge(*edge));
         }

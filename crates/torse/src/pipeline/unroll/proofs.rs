@@ -1,8 +1,8 @@
 //! What is proven of parts that are laid flat, through panels or by their maps, and the claims that come of it.
 
 use crate::brep::body::SMOOTH;
-use crate::brep::carrier::{bounds, rulings};
 use crate::brep::face::{Face, FileEdge, VANISHED};
+use crate::brep::recognised_surface::{bounds, rulings};
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
 use crate::control::Control;
@@ -14,14 +14,18 @@ use crate::reason::{FaceReason, Item, Reason};
 use crate::search::strips::face_panel::{laid_face, LaidFace};
 
 /// What is proven of a part: distance of its faces, of its drawing, gaps inside, change of lengths.
-const BOUNDS: [fn(&UnfoldedProof) -> UpperBound; 4] =
-    [UnfoldedProof::carrier_distance, UnfoldedProof::drawing_distance, UnfoldedProof::joint_gap, UnfoldedProof::strain];
+const BOUNDS: [fn(&UnfoldedProof) -> UpperBound; 4] = [
+    UnfoldedProof::map_surface_distance,
+    UnfoldedProof::drawing_distance,
+    UnfoldedProof::joint_gap,
+    UnfoldedProof::strain,
+];
 
 /// The claims that [`BOUNDS`] are.
-fn claims_of(subject: Subject, [carrier, drawing, gap, strain]: [UpperBound; 4], tolerance: f64) -> Vec<Claim> {
+fn claims_of(subject: Subject, [map_surface, drawing, gap, strain]: [UpperBound; 4], tolerance: f64) -> Vec<Claim> {
     let within = |what, bound| Claim::at_most(what, subject, bound).within(tolerance);
     vec![
-        within(What::CarrierDistance, carrier),
+        within(What::MapSurfaceDistance, map_surface),
         within(What::DrawingDistance, drawing),
         within(What::JointGap, gap),
         Claim::at_most(What::LengthError, subject, strain),
@@ -74,7 +78,7 @@ pub(super) fn proven(
     tolerance: f64,
     control: &Control,
 ) -> (Option<LaidFace>, UnfoldedProof) {
-    let own = judged(part, faces, tolerance);
+    let own = assessed(part, faces, tolerance);
     if own.is_within(tolerance) {
         return (None, own);
     }
@@ -147,7 +151,7 @@ fn renamed(bends: &mut [SheetBend], pattern: &Pattern) {
 }
 
 /// A part before its judge.
-pub(super) fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
+pub(super) fn assessed(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
     let asked = Unfolded {
         faces: part.faces.iter().map(|f| &faces[*f]).collect(),
         bounds: part.faces.iter().map(|f| bounds(&faces[*f])).collect(),

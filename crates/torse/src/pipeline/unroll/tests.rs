@@ -34,8 +34,8 @@ fn only(faces: &[Face], made: BodyParts) -> FlatPart {
     assert!(made.left.is_empty(), "{:?}", made.left);
     assert_eq!(made.parts.len(), 1);
     let part = made.parts.into_iter().next().expect("a part");
-    let proof = super::judged(&part, faces, TOLERANCE);
-    assert!(proof.carrier_distance().value() < 1e-9 && proof.drawing_distance().value() <= TOLERANCE, "{proof:?}");
+    let proof = super::assessed(&part, faces, TOLERANCE);
+    assert!(proof.map_surface_distance().value() < 1e-9 && proof.drawing_distance().value() <= TOLERANCE, "{proof:?}");
     assert!(proof.joint_gap().value() < 1e-9 && proof.strain().value() < 1e-12, "{proof:?}");
     part
 }
@@ -296,7 +296,7 @@ fn general_developables_keep_their_area_and_the_lengths_of_their_edges() {
         ("general cone", over_parabola(|p| p + (apex - p) * 0.6)),
     ];
     for (name, face) in shapes {
-        assert_eq!(crate::brep::carrier::carrier(&face).name(), name);
+        assert_eq!(crate::brep::recognised_surface::recognise(&face).name(), name);
         let made = flat(std::slice::from_ref(&face), 0.44);
         assert!(made.left.is_empty());
         let part = &made.parts[0];
@@ -336,7 +336,7 @@ fn a_drawing_that_is_moved_is_refused_by_the_judge() {
     let judged = |change: &dyn Fn(&mut FlatPart)| {
         let mut forged = part.clone();
         change(&mut forged);
-        super::judged(&forged, &faces, TOLERANCE)
+        super::assessed(&forged, &faces, TOLERANCE)
     };
     let drawn = |change: &dyn Fn(&mut FlatPart)| judged(change).drawing_distance().value();
     assert!(drawn(&|_| {}) <= TOLERANCE);
@@ -381,7 +381,7 @@ fn a_drawing_that_is_moved_is_refused_by_the_judge() {
             *radius += x;
         }
     });
-    assert!(wider.carrier_distance().value() > TOLERANCE);
+    assert!(wider.map_surface_distance().value() > TOLERANCE);
     // A surface without thickness keeps its own radius.
     assert!(judged(&|p| p.sheet.thickness = 0.0).strain().value() > 0.01);
 }
@@ -489,7 +489,7 @@ fn tangent_flap([from, to]: [f64; 2]) -> [Face; 2] {
     let knots = |degree| crate::spline::knots::Knots::clamped(degree, &[0.0, 1.0]).expect("knots");
     let surface = crate::spline::surface::Surface::new(knots(3), knots(1), &points, None).expect("a surface");
     let face = Face::untrimmed(surface);
-    assert_eq!(crate::brep::carrier::carrier(&face).name(), "tangent surface");
+    assert_eq!(crate::brep::recognised_surface::recognise(&face).name(), "tangent surface");
     flap(face, [100.0 * from * Vec3::x(), 100.0 * (to - from) * Vec3::x()])
 }
 
@@ -550,8 +550,8 @@ fn strips_that_lie_elsewhere_are_refused_by_the_judge() {
         let judged = |change: &dyn Fn(&mut FlatPart)| {
             let mut forged = part.clone();
             change(&mut forged);
-            let proof = super::judged(&forged, &faces, TOLERANCE);
-            [proof.carrier_distance(), proof.drawing_distance(), proof.joint_gap()]
+            let proof = super::assessed(&forged, &faces, TOLERANCE);
+            [proof.map_surface_distance(), proof.drawing_distance(), proof.joint_gap()]
                 .map(|b| b.value())
                 .into_iter()
                 .fold(0.0, f64::max)

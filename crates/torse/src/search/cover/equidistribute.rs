@@ -1,4 +1,4 @@
-//! Bands of a level function laid all at once: as many as theory asks for, their widths evened out until all have the
+//! Bands of a strip potential laid all at once: as many as theory asks for, their widths evened out until all have the
 //! same error (B3.6).
 //!
 //! The error of a band grows with the square of its width. Fitting all bands once therefore tells how dense the levels
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
 const FEWEST: f64 = 7.0;
-/// More bands than this are asked for where a level function is no good, as around a pole.
+/// More bands than this are asked for where a strip potential is no good, as around a pole.
 const MOST: f64 = 1000.0;
 /// Rounds of fitting all bands.
 const ROUNDS: usize = 8;
@@ -83,7 +83,7 @@ impl Job<'_> {
     /// asks for, and how dense they must lie in equal parts of the function's range. With the cover comes the share of
     /// the tolerance that its bands leave, in the mean. `None` where bands resist, or where no number of panels up to
     /// `budget` will do.
-    pub(super) fn even(
+    pub(super) fn equidistribute(
         &self,
         state: &State,
         label: u32,

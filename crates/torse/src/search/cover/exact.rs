@@ -171,7 +171,7 @@ fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
         }
         turns.push((at, turn));
     }
-    let along = along(radius, length, (LENGTH * length).min(AIM * tolerance / (LOSS * TURN.0.powi(2))));
+    let along = cells_along_rulings(radius, length, (LENGTH * length).min(AIM * tolerance / (LOSS * TURN.0.powi(2))));
     let longest = along.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max) * length;
     let wanted = (AIM * tolerance / (LOSS * longest)).sqrt();
     let step = if wanted.is_finite() { wanted.clamp(TURN.0, TURN.1) } else { TURN.1 };
@@ -182,7 +182,7 @@ fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
 
 /// Shares of the way along rulings of this `length` (mm) at which cells begin and end, each no longer than `most` (mm). Radii of
 /// curvature grow evenly from one end to the other; towards the sharp one cells become shorter.
-fn along(radius: [f64; 2], length: f64, most: f64) -> Vec<f64> {
+fn cells_along_rulings(radius: [f64; 2], length: f64, most: f64) -> Vec<f64> {
     let sharp = usize::from(radius[1] < radius[0]);
     let (least, rise) = (radius[sharp], (radius[1 - sharp] - radius[sharp]) / length);
     let mut at = vec![0.0];

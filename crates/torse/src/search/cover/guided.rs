@@ -13,7 +13,7 @@
 //! face; closed curves become two halves.
 
 use super::curve_on_face::{carried_on, lines, CurveError, PanelCurve};
-use super::layout::Course;
+use super::layout::DirectionField;
 use super::state::{Density, Origin};
 use super::{is_complete, Job, State, DISTANCE_SHARE};
 use crate::fit::near::dual::envelope;
@@ -64,7 +64,7 @@ struct Laid {
 }
 
 /// Rulings with a torse through their planes.
-struct Sheet {
+struct RuledTorse {
     points: Vec<RulingPoint>,
     ends: Vec<[f64; 2]>,
     torse: crate::torse::form::Torse,
@@ -97,14 +97,14 @@ impl Job<'_> {
         let in_space = |l: &Vec<[f64; 2]>| l.iter().map(|p| self.face.surface.point(p[0], p[1])).collect();
         let beside: Vec<Vec<Vec3>> = found.iter().flatten().map(in_space).collect();
         if beside.is_empty() {
-            return self.covered(state, &Course::Free);
+            return self.covered(state, &DirectionField::Free);
         }
-        let course = Course::Beside(beside);
-        let promised = self.promised(&state, &course);
+        let directions = DirectionField::Beside(beside);
+        let promised = self.promised(&state, &directions);
         if let Some(found) = promised.and_then(|n| self.within(&state, curves, MORE * n)) {
             return found;
         }
-        let directed = self.covered(state.clone(), &course);
+        let directed = self.covered(state.clone(), &directions);
         let count = Self::count(&directed) as f64;
         if !is_complete(&directed) || promised.is_none_or(|n| count > n) {
             let most = if is_complete(&directed) { MORE * count } else { f64::INFINITY };
@@ -116,11 +116,11 @@ impl Job<'_> {
         named.fold(directed, |state, (name, lines)| self.named(state, name, lines))
     }
 
-    /// Number of strips that theory promises along a course; `None` where it says nothing.
-    fn promised(&self, state: &State, course: &Course<'_>) -> Option<f64> {
+    /// Number of strips that theory promises along a direction field; `None` where it says nothing.
+    fn promised(&self, state: &State, directions: &DirectionField<'_>) -> Option<f64> {
         let along = |label: &u32| {
-            let level = self.levels_along(course, state, *label, (700, 2)).into_iter().next()?;
-            Some(self.bands_predicted(state, *label, &level).max(1.0))
+            let potential = self.directed_strip_potentials(directions, state, *label, (700, 2)).into_iter().next()?;
+            Some(self.bands_predicted(state, *label, &potential).max(1.0))
         };
         state.partition.distinct_labels().iter().map(along).sum()
     }
@@ -130,7 +130,7 @@ impl Job<'_> {
         let whole = self.options.max_panels;
         self.options.max_panels = whole.min(most.ceil() as usize);
         let found = self.guided(state.clone(), curves);
-        let found = self.covered(found, &Course::Free);
+        let found = self.covered(found, &DirectionField::Free);
         self.options.max_panels = whole;
         is_complete(&found).then_some(found)
     }
@@ -160,8 +160,8 @@ impl Job<'_> {
         for c in curves {
             let Ok(found) = lines(self.face, &state, c, self.options.tolerance) else { continue };
             for line in found.into_iter().flat_map(opened) {
-                let Some(sheet) = self.sheet(&line, bounds) else { continue };
-                if let Some(laid) = self.strip(&state, &sheet, None, &c.name, 0) {
+                let Some(ruled) = self.ruled_torse(&line, bounds) else { continue };
+                if let Some(laid) = self.strip(&state, &ruled, None, &c.name, 0) {
                     state = laid.state;
                     let [back, forth] = laid.borders;
                     fronts.push((c.name.clone(), 1, Line { points: back, open: line.open }, -1.0));
@@ -194,7 +194,7 @@ impl Job<'_> {
         (name, step): (&str, usize),
     ) -> Option<(State, Vec<[f64; 2]>)> {
         let surface = &self.face.surface;
-        let on_border = self.sheet(border, bounds)?;
+        let on_border = self.ruled_torse(border, bounds)?;
         let forward = usize::from(side > 0.0);
         let mut share = 1.0;
         for _ in 0..TRIALS {
@@ -205,9 +205,9 @@ impl Job<'_> {
                 .map(|(p, e)| walked(surface, p, side * share * e[forward]))
                 .collect();
             let line = Line { points: ahead?, open: border.open };
-            if let Some(sheet) = self.sheet(&line, bounds) {
+            if let Some(ruled) = self.ruled_torse(&line, bounds) {
                 let limit = Ahead { side: forward, share };
-                if let Some(laid) = self.strip(state, &sheet, Some(limit), name, step) {
+                if let Some(laid) = self.strip(state, &ruled, Some(limit), name, step) {
                     if laid.labels.is_empty() {
                         return None;
                     }
@@ -224,7 +224,7 @@ impl Job<'_> {
     }
 
     /// Rulings, intervals and torse along a line.
-    fn sheet(&self, line: &Line, bounds: [f64; 4]) -> Option<Sheet> {
+    fn ruled_torse(&self, line: &Line, bounds: [f64; 4]) -> Option<RuledTorse> {
         let surface = &self.face.surface;
         let mut points = resampled(surface, &line.points);
         if line.open {
@@ -235,16 +235,16 @@ impl Job<'_> {
         let size = surface.bbox().diagonal();
         let allowed = self.options.tolerance * DISTANCE_SHARE * INTERVALS;
         let ends = all.iter().map(|p| interval(surface, p, allowed, size)).collect();
-        Some(Sheet { points: all, ends, torse })
+        Some(RuledTorse { points: all, ends, torse })
     }
 
     /// The widest strip around the line that the certificate accepts, out of what is free.
-    fn strip(&self, state: &State, sheet: &Sheet, ahead: Option<Ahead>, name: &str, step: usize) -> Option<Laid> {
+    fn strip(&self, state: &State, ruled: &RuledTorse, ahead: Option<Ahead>, name: &str, step: usize) -> Option<Laid> {
         let surface = &self.face.surface;
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let mut share = ahead.map_or(1.0, |a| a.share);
         let least = LEAST_SHARE * share;
-        let centre: Vec<[f64; 2]> = sheet.points.iter().map(|p| p.uv).collect();
+        let centre: Vec<[f64; 2]> = ruled.points.iter().map(|p| p.uv).collect();
         for _ in 0..TRIALS {
             if self.control.stopped() {
                 return None;
@@ -255,7 +255,7 @@ impl Job<'_> {
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 let rest = behind(k).unwrap_or(share);
                 let raw: Option<Vec<[f64; 2]>> =
-                    sheet.points.iter().zip(&sheet.ends).map(|(p, e)| walked(surface, p, sign * rest * e[k])).collect();
+                    ruled.points.iter().zip(&ruled.ends).map(|(p, e)| walked(surface, p, sign * rest * e[k])).collect();
                 borders[k] = smoothed(&centre, &raw?, SMOOTHING);
             }
             let polygon: Vec<[f64; 2]> = borders[0].iter().chain(borders[1].iter().rev()).copied().collect();
@@ -263,13 +263,13 @@ impl Job<'_> {
             let mut worst: f64 = 0.0;
             for &label in &labels {
                 let samples = trial.dense_samples(surface, label, Density::Usual);
-                let Some((e, at)) = error(&sheet.torse, &samples) else {
+                let Some((e, at)) = error(&ruled.torse, &samples) else {
                     worst = f64::INFINITY;
                     break;
                 };
                 worst = worst.max(e);
                 if e <= allowed * HOPEFUL {
-                    let fit = Fit { torse: sheet.torse.clone(), kind: PanelKind::Torse, error: e, worst: at };
+                    let fit = Fit { torse: ruled.torse.clone(), kind: PanelKind::Torse, error: e, worst: at };
                     match self.proven(&trial, label, fit, samples).accepted {
                         Some(fit) => {
                             trial.panels.insert(label, fit);
@@ -282,9 +282,9 @@ impl Job<'_> {
                 }
             }
             if worst <= allowed * HOPEFUL {
-                let cut: Vec<[f64; 2]> = sheet.ends.iter().map(|e| [e[0] * share, e[1] * share]).collect();
+                let cut: Vec<[f64; 2]> = ruled.ends.iter().map(|e| [e[0] * share, e[1] * share]).collect();
                 let estimate =
-                    (1..=3).map(|m| paper_estimate(surface, &sheet.points, &cut, m)).fold(f64::INFINITY, f64::min);
+                    (1..=3).map(|m| paper_estimate(surface, &ruled.points, &cut, m)).fold(f64::INFINITY, f64::min);
                 for &label in &labels {
                     let origin = Origin { curve: name.to_owned(), step, paper_estimate: estimate };
                     trial.origins.insert(label, Arc::new(origin));

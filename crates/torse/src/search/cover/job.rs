@@ -1,6 +1,6 @@
 //! What a cover is asked for, and what does not change while a face is covered.
 
-use super::layout::{Course, Layout};
+use super::layout::{DirectionField, Layout};
 use super::limits::Limits;
 use crate::brep::face::Face;
 use crate::certify::Prepared;
@@ -31,12 +31,12 @@ pub(crate) struct Job<'a> {
     pub(crate) options: CoverOptions,
     pub(crate) control: &'a Control,
     pub(crate) proofs: AtomicUsize,
-    pub(super) course: Course<'a>,
+    pub(super) directions: DirectionField<'a>,
 }
 
 impl<'a> Job<'a> {
     pub(super) fn new(face: &'a Face, options: &'a CoverOptions, control: &'a Control) -> Self {
         let (prepared, proofs) = (Prepared::new(&face.surface), AtomicUsize::new(0));
-        Self { face, prepared, options: options.clone(), control, proofs, course: Course::Free }
+        Self { face, prepared, options: options.clone(), control, proofs, directions: DirectionField::Free }
     }
 }

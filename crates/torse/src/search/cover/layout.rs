@@ -1,7 +1,7 @@
 //! The layout of panels that a user asks for: where strips run, rings, seams that must be kept (B2, B3).
 //!
-//! *Method.* Directions are wanted of the level lines: the level function starts as the one that follows them best and
-//! may turn away from them a little only ([`levels_along`]). Rings run around the point that is farthest
+//! *Method.* Directions are wanted of the level lines: the strip potential starts as the one that follows them best and
+//! may turn away from them a little only ([`directed_strip_potentials`]). Rings run around the point that is farthest
 //! from the region's border; the region is first cut through that point, because no developable closes around it. Planes
 //! and curves of user seams cut the region before anything is fitted, and panels on different sides are never merged.
 //!
@@ -71,7 +71,7 @@ pub struct Layout {
 
 /// What strips of one region follow.
 #[derive(Clone, Debug)]
-pub(super) enum Course<'a> {
+pub(super) enum DirectionField<'a> {
     /// Whatever needs the fewest.
     Free,
     /// A guide.
@@ -82,7 +82,7 @@ pub(super) enum Course<'a> {
     Around(Vec3),
 }
 
-impl Course<'_> {
+impl DirectionField<'_> {
     /// The direction wanted at a point with a normal; not of unit length.
     pub(super) fn at(&self, x: &Vec3, normal: &Vec3) -> Option<Vec3> {
         match self {

@@ -1,12 +1,12 @@
-//! Bands of a level function: greedy marching with width control, every component on its own (B3.6, C5).
+//! Bands of a strip potential: greedy marching with width control, every component on its own (B3.6, C5).
 
 use super::halve::range;
 use super::propose::AttemptOptions;
 use super::{Job, State};
-use crate::fit::level::strip_potential::Level;
 use crate::fit::near::centre_line::centre_line;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
+use crate::fit::strip_potential::StripPotential;
 use crate::spline::field::Field;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -19,9 +19,9 @@ const WIDE: f64 = 0.86;
 const NARROWEST: f64 = 0.2;
 /// Bands below this share of the theoretical width count as narrow (C5)…
 const POOR_WIDTH: f64 = 0.55;
-/// … and after so many of them in a row the rest is given to a new level function.
+/// … and after so many of them in a row the rest is given to a new strip potential.
 const PATIENCE: usize = 2;
-/// A rest below this share of the march's range gets a level function of its own when bands fail.
+/// A rest below this share of the march's range gets a strip potential of its own when bands fail.
 const FRESH: f64 = 0.9;
 /// A resisting end is left behind when what lies beyond is at least this many bands wide…
 const BEHIND: f64 = 3.0;
@@ -96,10 +96,17 @@ struct Rest {
 }
 
 impl Job<'_> {
-    /// Bands along a level function.
-    pub(super) fn bands(&self, state: &State, label: u32, level: &Level, budget: usize, depth: usize) -> Option<State> {
+    /// Bands along a strip potential.
+    pub(super) fn bands(
+        &self,
+        state: &State,
+        label: u32,
+        potential: &StripPotential,
+        budget: usize,
+        depth: usize,
+    ) -> Option<State> {
         let theory = 4.0 * self.options.tolerance.sqrt();
-        let mut falling = level.field.clone();
+        let mut falling = potential.field.clone();
         falling.coefficients.iter_mut().for_each(|c| *c = -*c);
         // Each end has the whole budget for itself: what is found must not depend on which of them is faster.
         let run = |field: &Field| {
@@ -108,9 +115,9 @@ impl Job<'_> {
             self.march(state.clone(), label, &lay, theory, Limit::of(&AtomicUsize::new(key(budget, RANKS - 1))))
         };
         if depth > BOTH_ENDS_DEPTH {
-            return run(&level.field);
+            return run(&potential.field);
         }
-        let (up, down) = rayon::join(|| run(&level.field), || run(&falling));
+        let (up, down) = rayon::join(|| run(&potential.field), || run(&falling));
         match (up, down) {
             (Some(a), Some(b)) => Some(if b.panels.len() < a.panels.len() { b } else { a }),
             (a, b) => a.or(b),
@@ -140,7 +147,7 @@ impl Job<'_> {
                 return None;
             }
             if rest.narrow >= PATIENCE {
-                // The level function is poor here: what is left gets one of its own.
+                // The strip potential is poor here: what is left gets one of its own.
                 let budget = limit.panels().saturating_sub(used + open.len());
                 state = self.region(state, rest.label, budget, lay.depth + 1)?;
                 continue;
@@ -169,7 +176,7 @@ impl Job<'_> {
                         open.extend(ahead.into_iter().map(|label| Rest { label, width, narrow: 0 }));
                         continue;
                     }
-                    // A level function of its own may do better on what is left; the whole region must be cut.
+                    // A strip potential of its own may do better on what is left; the whole region must be cut.
                     state = if hi - lo < FRESH * whole {
                         self.region(state, rest.label, budget, lay.depth + 1)?
                     } else {

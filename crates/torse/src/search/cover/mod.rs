@@ -2,15 +2,15 @@
 //!
 //! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; straight bands laid all at once, where
 //! they promise fewer panels than curved ones, or marched in the best directions, where they are few and cannot be laid
-//! so; bands of a level function for the conjugate field (\[SE06\] carried on), all at once or one after the other, if
-//! they promise enough; division, where no level function is good or saddles surround a flat point; a sweep of straight
+//! so; bands of a strip potential for the conjugate field (\[SE06\] carried on), all at once or one after the other, if
+//! they promise enough; division, where no strip potential is good or saddles surround a flat point; a sweep of straight
 //! bands in the directions that are left, where more panels are needed than theory asks for; bisection, which always
 //! ends, at worst with small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
 //! This file holds the recursion; `propose` fits and proves single torses, `march` lays bands.
 
-mod course;
 mod curve_on_face;
+mod directed_bands;
 mod equidistribute;
 mod exact;
 mod guided;
@@ -30,9 +30,11 @@ mod umbilic;
 
 use crate::brep::face::Face;
 use crate::control::Control;
-use crate::fit::level::strip_potential::{level, levels, straight_bands, Level, LevelOptions};
 use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::fit::near::samples::Fit;
+use crate::fit::strip_potential::{
+    straight_bands, strip_potential, strip_potentials, StripPotential, StripPotentialOptions,
+};
 use crate::geom::Vec3;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
@@ -43,7 +45,7 @@ pub(in crate::search) use exact::{exact_regions, exactly_covered};
 pub(crate) use exact::{is_developable, is_smoothly_developable};
 pub use job::CoverOptions;
 pub(crate) use job::{Job, DISTANCE_SHARE};
-use layout::Course;
+use layout::DirectionField;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
@@ -58,11 +60,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 use umbilic::Star;
 
-/// Level functions of a face along which bands are laid.
+/// Strip potentials of a face along which bands are laid.
 const CANDIDATES: usize = 2;
 /// Depth of the recursion at which only facets are tried.
 const FACET_DEPTH: usize = 14;
-/// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
+/// Strip potentials are given up for parts when their merit exceeds this multiple of their range (C4).
 const POOR: f64 = 1.5;
 /// Covers with up to this multiple of the predicted count, and one panel more, count as near theory.
 const PROMISING: f64 = 1.25;
@@ -79,7 +81,7 @@ const PROMISED: f64 = 0.8;
 const MOST_SWEPT: (f64, f64) = (4.0, 8.0);
 /// Budgets above this are not limited by any cover, or by the user.
 const UNLIMITED: usize = usize::MAX / 2;
-/// Level functions are not tried when they promise more than this multiple of the panels that marched straight bands
+/// Strip potentials are not tried when they promise more than this multiple of the panels that marched straight bands
 /// leave to win.
 const BEATEN: f64 = 1.15;
 /// Parts must promise less than this multiple of the panels that they may have: merits say little where they are poor.
@@ -130,8 +132,8 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     let mut job = Job::new(face, options, control);
     let state = match options.layout.curves.as_slice() {
         [] => {
-            let course = options.layout.guide.as_ref().map_or(Course::Free, Course::Along);
-            job.covered(state, &course)
+            let directions = options.layout.guide.as_ref().map_or(DirectionField::Free, DirectionField::Along);
+            job.covered(state, &directions)
         }
         curves => job.along_curves(state, curves),
     };
@@ -198,21 +200,21 @@ impl<'a> Job<'a> {
         state.panels.len()
     }
 
-    /// Covers all regions that have no torse yet; strips of a course run along it, or in rings.
-    fn covered(&mut self, mut state: State, course: &Course<'a>) -> State {
+    /// Covers all regions that have no torse yet; strips that have a direction field run along it, or in rings.
+    fn covered(&mut self, mut state: State, directions: &DirectionField<'a>) -> State {
         for label in state.partition.distinct_labels() {
             if state.panels.contains_key(&label) {
                 continue;
             }
             let around = match self.options.layout.kind {
-                LayoutKind::Rings => course::rings(self, &mut state, label),
+                LayoutKind::Rings => directed_bands::rings(self, &mut state, label),
                 LayoutKind::Auto | LayoutKind::Strips => None,
             };
-            let (course, parts) = match around {
-                Some((centre, parts)) => (Course::Around(centre), parts),
-                None => (course.clone(), vec![label]),
+            let (directions, parts) = match around {
+                Some((centre, parts)) => (DirectionField::Around(centre), parts),
+                None => (directions.clone(), vec![label]),
             };
-            self.course = course;
+            self.directions = directions;
             for part in parts {
                 let left = self.options.max_panels.saturating_sub(Self::count(&state));
                 if let Some(next) = self.region(state.clone(), part, left, 0) {
@@ -245,7 +247,7 @@ impl<'a> Job<'a> {
         if depth >= FACET_DEPTH || self.options.facets {
             return self.bisect(state, label, budget, depth);
         }
-        let free = matches!(self.course, Course::Free);
+        let free = matches!(self.directions, DirectionField::Free);
         let fewest = free && self.options.layout.kind == LayoutKind::Auto;
         if fewest && budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {
             if let Some(next) = self.two(&state, label) {
@@ -265,10 +267,11 @@ impl<'a> Job<'a> {
             }
         };
         let four = 4.0 * self.options.tolerance.sqrt();
-        let found = self.level_functions(&state, label, depth);
-        let good: Vec<&Level> = found.iter().filter(|l| !free || l.merit <= POOR * l.range).take(CANDIDATES).collect();
+        let found = self.strip_potentials(&state, label, depth);
+        let good: Vec<&StripPotential> =
+            found.iter().filter(|l| !free || l.merit <= POOR * l.range).take(CANDIDATES).collect();
         let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
-        // Bands of a good level function come within a panel or two of theory; others can hardly beat that.
+        // Bands of a good strip potential come within a panel or two of theory; others can hardly beat that.
         let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
         // With more to spare, one band fewer might do: theory may ask for more than is needed.
         let full = |n: usize, spare: f64| spare < 1.0 - equidistribute::AIM * (1.0 - 1.0 / n.max(1) as f64).powi(2);
@@ -278,7 +281,7 @@ impl<'a> Job<'a> {
         let mut marched = 0;
         if top {
             let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
-            if let Some((next, spare)) = self.straight_even(&state, label, &straight, curved, limit) {
+            if let Some((next, spare)) = self.equidistribute_straight(&state, label, &straight, curved, limit) {
                 swept = full(Self::count(&next).saturating_sub(before), spare);
                 keep(next, &mut best, &mut limit);
             } else if straight.first().is_some_and(|s| s.promised < curved.min(SWEEP_COUNT)) {
@@ -288,16 +291,17 @@ impl<'a> Job<'a> {
                 }
             }
         }
-        // Theory is no limit where panels are few: level functions must promise clearly more than what is left to win.
+        // Theory is no limit where panels are few: strip potentials must promise clearly more than what is left to win.
         let most = if marched > 0 { BEATEN } else { 1.0 } * limit as f64;
-        let worth_it = |l: &Level| best.is_none() || l.merit / four <= most;
-        let tried: Vec<&Level> = good.iter().copied().filter(|l| worth_it(l)).collect();
+        let worth_it = |l: &StripPotential| best.is_none() || l.merit / four <= most;
+        let tried: Vec<&StripPotential> = good.iter().copied().filter(|l| worth_it(l)).collect();
         for (i, l) in tried.into_iter().enumerate() {
             let near = |b: &State| near_theory((Self::count(b) - before) as f64);
             if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
             }
-            let even = if top { self.even(&state, label, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
+            let even =
+                if top { self.equidistribute(&state, label, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
             let mut enough = false;
             if let Some((next, spare)) = even {
                 enough = full(Self::count(&next).saturating_sub(before), spare);
@@ -310,7 +314,7 @@ impl<'a> Job<'a> {
                 keep(next, &mut best, &mut limit);
             }
         }
-        // Around a flat point of saddles no level function is good, even if samples do not tell.
+        // Around a flat point of saddles no strip potential is good, even if samples do not tell.
         let stars = if fewest { umbilic::stars(&self.face.surface, &state, label) } else { Vec::new() };
         if limit > 0 && (good.is_empty() || !stars.is_empty()) {
             if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
@@ -349,17 +353,22 @@ impl<'a> Job<'a> {
         best
     }
 
-    /// Level functions of a region, the one that promises the fewest panels first; the first region of a face, worth
+    /// Strip potentials of a region, the one that promises the fewest panels first; the first region of a face, worth
     /// more than small remainders, has them sought in two spaces.
-    fn level_functions(&self, state: &State, label: u32, depth: usize) -> Vec<Level> {
+    fn strip_potentials(&self, state: &State, label: u32, depth: usize) -> Vec<StripPotential> {
         let places = state.places(label);
-        if !matches!(self.course, Course::Free) {
+        if !matches!(self.directions, DirectionField::Free) {
             let samples_and_spans = if depth > 0 { (700, 2) } else { (1500, 3) };
-            return self.levels_along(&self.course, state, label, samples_and_spans);
+            return self.directed_strip_potentials(&self.directions, state, label, samples_and_spans);
         }
         let attempt = |samples: usize, spans: usize, keep: usize| {
-            let options = LevelOptions { spans, keep, control: self.control.clone(), ..LevelOptions::default() };
-            levels(&state.forms(label, samples), &places, &options)
+            let options = StripPotentialOptions {
+                spans,
+                keep,
+                control: self.control.clone(),
+                ..StripPotentialOptions::default()
+            };
+            strip_potentials(&state.forms(label, samples), &places, &options)
         };
         if depth > 0 {
             let mut found = attempt(700, 2, 2);
@@ -367,15 +376,15 @@ impl<'a> Job<'a> {
             return found;
         }
         let (coarse, fine) = rayon::join(|| attempt(700, 2, 3), || attempt(1500, 3, 3));
-        let mut found: Vec<(f64, Level)> =
+        let mut found: Vec<(f64, StripPotential)> =
             coarse.into_iter().chain(fine).map(|l| (self.bands_predicted(state, label, &l), l)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|f| f.1).collect()
     }
 
     /// Number of panels that bands of the theoretical width would be, in as many pieces as they fall into, raised where
-    /// the level function falls short.
-    fn bands_predicted(&self, state: &State, label: u32, l: &Level) -> f64 {
+    /// the strip potential falls short.
+    fn bands_predicted(&self, state: &State, label: u32, l: &StripPotential) -> f64 {
         let width = 4.0 * self.options.tolerance.sqrt();
         let region = state.partition.region(label);
         let value = |t: usize| l.field.value(centroid(state.partition.corners(t)));
@@ -408,7 +417,7 @@ impl<'a> Job<'a> {
     }
 
     /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::even`].
-    fn straight_even(
+    fn equidistribute_straight(
         &self,
         state: &State,
         label: u32,
@@ -420,7 +429,7 @@ impl<'a> Job<'a> {
             .iter()
             .take(STRAIGHT)
             .filter(|s| s.promised < curved && s.promised <= budget as f64)
-            .find_map(|s| self.even(state, label, &s.field, (s.promised, &s.density), budget))
+            .find_map(|s| self.equidistribute(state, label, &s.field, (s.promised, &s.density), budget))
     }
 
     /// Straight bands marched in those of several directions that promise fewer than `most`; the fewest win (C5b).
@@ -443,13 +452,14 @@ impl<'a> Job<'a> {
             .map(|(_, _, s)| s)
     }
 
-    /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4): by sign, in
+    /// Cuts a region for which no strip potential is good, where the parts together promise fewer strips (C4): by sign, in
     /// halves, or through a flat point.
     fn divided(&self, state: &State, label: u32, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |s: &State, l: u32| {
-            let options = LevelOptions { rounds: 3, control: self.control.clone(), ..LevelOptions::default() };
-            level(&s.forms(l, 160), &s.places(l), &options)
+            let options =
+                StripPotentialOptions { rounds: 3, control: self.control.clone(), ..StripPotentialOptions::default() };
+            strip_potential(&s.forms(l, 160), &s.places(l), &options)
         };
         let surface = &self.face.surface;
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
@@ -505,22 +515,22 @@ pub fn fill(state: &mut State, control: &Control) {
     }
 }
 
-/// Range of the best level function over a whole face (√mm), its shortfall added: bands of the width `4√ε` then number
-/// `range/(4√ε)`, the fewest that theory allows (approximation specification B2) as far as the level function is
-/// the best. `None` where no level function covers the face: planes, mixed curvature.
+/// Range of the best strip potential over a whole face (√mm), its shortfall added: bands of the width `4√ε` then number
+/// `range/(4√ε)`, the fewest that theory allows (approximation specification B2) as far as the strip potential is
+/// the best. `None` where no strip potential covers the face: planes, mixed curvature.
 pub(crate) fn band_range(face: &Face) -> Option<f64> {
     let state = State::of_face(face, f64::INFINITY).ok()?;
     let places = state.places(0);
-    let options = LevelOptions { spans: 3, ..LevelOptions::default() };
-    let best = levels(&state.forms(0, 1500), &places, &options).into_iter().next()?;
+    let options = StripPotentialOptions { spans: 3, ..StripPotentialOptions::default() };
+    let best = strip_potentials(&state.forms(0, 1500), &places, &options).into_iter().next()?;
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
 /// As [`band_range`], from few samples and in little time: for comparing faces.
 pub(crate) fn strip_range(face: &Face) -> Option<f64> {
     let state = State::of_face(face, f64::INFINITY).ok()?;
-    let options = LevelOptions { rounds: 3, ..LevelOptions::default() };
-    let best = level(&state.forms(0, 160), &state.places(0), &options)?;
+    let options = StripPotentialOptions { rounds: 3, ..StripPotentialOptions::default() };
+    let best = strip_potential(&state.forms(0, 160), &state.places(0), &options)?;
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 

@@ -159,7 +159,7 @@ impl Job<'_> {
         if self.options.facets {
             return Attempt::failed(f64::INFINITY);
         }
-        let judge = |fit: Fit| {
+        let assess = |fit: Fit| {
             let t = if fit.error <= allowed * HOPEFUL { proven(fit.clone()) } else { Attempt::failed(fit.error) };
             let refused = t.accepted.is_none().then_some(fit);
             Attempt { refused, ..t }
@@ -172,7 +172,7 @@ impl Job<'_> {
             if let Some(fit) =
                 refit(from, &samples, &RefitOptions { bend_radius, control: control(), ..RefitOptions::new(keen) })
             {
-                best = judge(fit);
+                best = assess(fit);
                 if best.accepted.is_some() {
                     return best;
                 }
@@ -192,7 +192,7 @@ impl Job<'_> {
             for spans in counts {
                 let max_samples = usual.max_samples * spans / usual.spans;
                 if let Some(fit) = dual(&samples, line, &DualOptions { spans, max_samples, ..usual.clone() }) {
-                    let t = judge(fit);
+                    let t = assess(fit);
                     let accepted = t.accepted.is_some();
                     best = best.or_better(t);
                     if accepted {
@@ -206,7 +206,7 @@ impl Job<'_> {
             .filter(|line| has_inflection(line))
             .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, state.bbox(label).diagonal()));
         if let Some(fit) = primal(&samples, &usual.with_spans(wanted.clamp(usual.profile_spans, MOST_SPANS))) {
-            best = best.or_better(judge(fit));
+            best = best.or_better(assess(fit));
         }
         if best.accepted.is_none() {
             best.error = best.error.max(self.options.tolerance * 1.0001);

@@ -9,7 +9,7 @@ use super::halve::range;
 use super::{bare, CoverOptions, Job, State, DISTANCE_SHARE};
 use crate::brep::face::Face;
 use crate::control::Control;
-use crate::fit::level::strip_potential::Forms;
+use crate::fit::strip_potential::Forms;
 use crate::spline::field::Field;
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use super::seam_line::SeamLine;
 use crate::brep::face::Face;
-use crate::fit::level::strip_potential::Forms;
 use crate::fit::near::samples::{Fit, Sample};
+use crate::fit::strip_potential::Forms;
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::partition::{edges, Partition};
 use crate::patchwork::triangulate::{triangulate, TriangulateError};
@@ -52,7 +52,7 @@ pub struct State {
     pub jets: Vec<VertexJet>,
     /// Torse of each finished label.
     pub panels: BTreeMap<u32, Arc<Fit>>,
-    /// Level function of each label that was laid as a band of one.
+    /// Strip potential of each label that was laid as a band of one.
     pub bands: BTreeMap<u32, Arc<Field>>,
     /// Curve along which each label was laid, for labels that follow one.
     pub origins: BTreeMap<u32, Arc<Origin>>,

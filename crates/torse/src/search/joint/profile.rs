@@ -50,7 +50,7 @@ impl Profile {
         };
         let beta =
             if range.0 >= start { p.functions(range.0)[5] } else { p.beta() - integral(product, range.0, start) };
-        let at = even(range, PER_SPAN * spans);
+        let at = equally_spaced(range, PER_SPAN * spans);
         let values: Vec<[f64; 2]> = at.iter().map(|&t| pieces.jet(t)[0]).collect();
         Self::through(p.frame, range, spans, &at, &values, beta)
     }
@@ -60,7 +60,7 @@ impl Profile {
         let pieces = Pieces::of(&d.planes)?;
         let torse = Torse::Dual(DualTorse { planes: pieces.on(range.0, range.1, 0.0).to_curve().ok()? });
         let count = PER_SPAN * spans;
-        let lines: Vec<_> = even(range, count).into_iter().map(|t| torse.ruling(t)).collect();
+        let lines: Vec<_> = equally_spaced(range, count).into_iter().map(|t| torse.ruling(t)).collect();
         let mean = |f: &dyn Fn(usize) -> Vec3| (0..lines.len()).map(f).sum::<Vec3>().try_normalize(0.0);
         let y = mean(&|k| lines[k].direction)?;
         let up = mean(&|k| lines[k].normal)?;
@@ -103,7 +103,7 @@ impl Profile {
         let slope: Vec<[f64; 1]> = values.iter().map(|v| [v[1]]).collect();
         let f = lsq::fit(&profile, at, &knots).ok()?.curve;
         let a = lsq::fit(&slope, at, &slopes).ok()?.curve;
-        let dense = even(range, 4 * spans);
+        let dense = equally_spaced(range, 4 * spans);
         let refined = (0..slopes.control_count())
             .map(|j| {
                 let mut control = vec![[0.0]; slopes.control_count()];
@@ -188,7 +188,7 @@ impl Profile {
 }
 
 /// Equally spaced parameters from end to end.
-fn even((a, b): (f64, f64), count: usize) -> Vec<f64> {
+fn equally_spaced((a, b): (f64, f64), count: usize) -> Vec<f64> {
     (0..=count).map(|i| if i == count { b } else { a + (b - a) * i as f64 / count as f64 }).collect()
 }
 

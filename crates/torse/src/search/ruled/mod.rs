@@ -78,7 +78,7 @@ pub(crate) fn ruled_face(
     while let Some((piece, depth)) = open.pop() {
         control.report("ruled strips", done / whole, format!("{} panels", out.panels.len()));
         let index = first + out.faces.len();
-        let result = match judged(index, &piece, (depth >= ANY, options), aim, control) {
+        let result = match assessed(index, &piece, (depth >= ANY, options), aim, control) {
             Ok((found, certificate)) if certificate.certified => Ok((found, certificate)),
             other => match piece.divided(depth).filter(|_| depth < DIVISIONS && !control.stopped()) {
                 Some(parts) => {
@@ -110,7 +110,7 @@ pub(crate) fn ruled_face(
 
 /// One piece with fewer or more strips, until the proof holds; else the try that looked best. `any`: rulings may follow
 /// parameter lines.
-fn judged(
+fn assessed(
     index: usize,
     piece: &Piece,
     (any, options): (bool, &RuledOptions),

@@ -319,7 +319,7 @@ impl Attempts<'_> {
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
-        self.along(&intersections, &base, wanted, Moving::Accepted(built)).ok()
+        self.bordered_at(&intersections, &base, wanted, Moving::Accepted(built)).ok()
     }
 
     /// Strips of the program over all of them, with their borders under their edges; strips that are refused all the same
@@ -395,9 +395,9 @@ impl Attempts<'_> {
         let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
         let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
         let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
-        let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
+        let intersections = Intersections::new(self.face, &torses).with_known_edges(edges, vertices);
         let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
-            self.along(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
+            self.bordered_at(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
         };
         let mut refused = match along_lines.as_ref().map(|s| moved(s, &wanted, Moving::Done)) {
             Some(Ok(found)) => return Ok(found),
@@ -444,7 +444,7 @@ impl Attempts<'_> {
     /// The panels of a state with borders where strips intersect, and the edges that panels share already. Errors where that
     /// is not possible, or cannot be proven. Panels that are refused keep their borders if they were accepted before; else
     /// nothing more is tried.
-    fn along(
+    fn bordered_at(
         &self,
         intersections: &Intersections,
         base: &State,

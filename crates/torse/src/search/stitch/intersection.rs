@@ -111,7 +111,7 @@ impl<'a> Intersections<'a> {
 
     /// The same with edges that are known, which need not cross at any angle, and the points in which those of three
     /// labels end.
-    pub fn along(mut self, edges: Vec<([u32; 2], Curve<3>)>, vertices: Vec<(Vec<u32>, Vec3)>) -> Self {
+    pub fn with_known_edges(mut self, edges: Vec<([u32; 2], Curve<3>)>, vertices: Vec<(Vec<u32>, Vec3)>) -> Self {
         self.known = edges.into_iter().map(|(labels, curve)| (pair(labels), KnownEdge::new(curve))).collect();
         self.vertices = vertices.into_iter().collect();
         self

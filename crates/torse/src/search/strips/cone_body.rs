@@ -4,7 +4,7 @@
 use super::cone_outline::PlaneOutline;
 use crate::certify::claim::UpperBound;
 use crate::certify::cones::outline::{astray_bound, outline as certified, Region};
-use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
+use crate::certify::cones::{cones as certified_cones, ConeJudgeOptions, ConeProof};
 use crate::fit::elements::cones::{cones as fit, ConeFit, ConeFitOptions};
 use crate::fit::panels::cone_trim::{cone_part, ConeTrimOptions};
 use crate::reason::{Reason, StripReason};
@@ -102,7 +102,7 @@ fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof),
             (Err(_), Some(earlier)) => return Ok(earlier),
             (Err(reason), None) => return Err(reason),
         };
-        let proof = judge(&target.strip, &found.nodes, &found.spline, &ConeJudgeOptions::new(tolerance))
+        let proof = certified_cones(&target.strip, &found.nodes, &found.spline, &ConeJudgeOptions::new(tolerance))
             .map_err(|e| Reason::error(&e))?;
         let done = proof.holds(tolerance);
         best = Some((found, proof));
@@ -113,7 +113,7 @@ fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof),
     best.ok_or(StripReason::Nothing.into())
 }
 
-/// The chain with segments on one carrier made one. These carriers are not those that were judged, to the last digit:
+/// The chain with segments on one cone made one. These cones are not those that were judged, to the last digit:
 /// they are judged again, and stay apart where they do not hold. Between circles one is then cut to turn by no more than `circles`
 /// (rad).
 fn merged(target: &Target, found: &ConeFit, proof: ConeProof, tolerance: f64, circles: f64) -> (ConeSpline, ConeProof) {
@@ -122,7 +122,7 @@ fn merged(target: &Target, found: &ConeFit, proof: ConeProof, tolerance: f64, ci
     let again = (merged.segments.len() < found.spline.segments.len())
         .then(|| merged.cut_like(&found.spline))
         .flatten()
-        .and_then(|cut| judge(&target.strip, &found.nodes, &cut, &ConeJudgeOptions::new(tolerance)).ok())
+        .and_then(|cut| certified_cones(&target.strip, &found.nodes, &cut, &ConeJudgeOptions::new(tolerance)).ok())
         .filter(|again| again.holds(tolerance.max(proof.bound().value())));
     match again {
         Some(again) => (merged.with_turns_below(LARGEST_TURN, circles), again),

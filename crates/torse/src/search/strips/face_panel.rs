@@ -2,8 +2,8 @@
 //! has no closed form, as a torse near it, to be laid flat through that with a proof of both steps.
 
 use super::super::build::build;
-use crate::brep::carrier::{bounds, carrier, Carrier};
 use crate::brep::face::Face;
+use crate::brep::recognised_surface::{bounds, recognise, RecognisedSurface};
 use crate::brep::rulings::Rulings;
 use crate::certify::flat::{flat, FlatCertificate};
 use crate::certify::Certificate;
@@ -35,11 +35,11 @@ const CLOSE: (f64, f64) = (0.01, 0.5);
 /// carried over.
 pub(crate) fn face_panel(face: &Face, name: &str) -> Option<Patchwork> {
     let (state, rulings, _) = triangles(face)?;
-    let kind = match carrier(face) {
-        Carrier::Plane(_) => PanelKind::Plane,
-        Carrier::Cylinder { .. } | Carrier::GeneralCylinder { .. } => PanelKind::Cylinder,
-        Carrier::Cone { .. } | Carrier::GeneralCone { .. } => PanelKind::Cone,
-        Carrier::TangentSurface | Carrier::Curved(_) => PanelKind::Torse,
+    let kind = match recognise(face) {
+        RecognisedSurface::Plane(_) => PanelKind::Plane,
+        RecognisedSurface::Cylinder { .. } | RecognisedSurface::GeneralCylinder { .. } => PanelKind::Cylinder,
+        RecognisedSurface::Cone { .. } | RecognisedSurface::GeneralCone { .. } => PanelKind::Cone,
+        RecognisedSurface::TangentSurface | RecognisedSurface::Curved(_) => PanelKind::Torse,
     };
     let panel = OnRulings::new(face, &rulings)?.panel(name, kind, TRIM * face.surface.bbox().diagonal())?;
     Some(Patchwork {

@@ -10,7 +10,7 @@ use crate::certify::elements::elements as certified;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
 use crate::control::Control;
 use crate::fit::elements::extent::{strip as strip_of, strip_by_slope};
-use crate::fit::elements::sequence::{samples, RowOptions};
+use crate::fit::elements::sequence::{samples, SequenceOptions};
 use crate::fit::elements::span_series::{PlaneSeries, SlopeSeries};
 use crate::fit::near::primal::primal;
 use crate::fit::near::primal::PrimalOptions;
@@ -64,7 +64,7 @@ impl Search<'_> {
     }
 
     /// Spans by half more until a strip holds, then back by bisection.
-    fn look(&mut self, kind: &Kind, control: &Control) {
+    fn fewest_spans(&mut self, kind: &Kind, control: &Control) {
         let (mut bad, mut enough) = (0, None);
         let mut spans = 1;
         while spans <= MOST.min(self.elements.len()) && (kind.fewest)(spans) < self.best.0 && !control.stopped() {
@@ -96,7 +96,7 @@ fn bound(strip: &Strip, elements: &[ContactElement]) -> f64 {
 
 /// The strip with the fewest control points along (of equal ones: with the smallest bound) that is proven to lie within
 /// the tolerance of all elements, to be regular, and to keep to the limits; `found` if there is none.
-pub(crate) fn fewest(found: Strip, elements: &[ContactElement], wanted: &RowOptions, control: &Control) -> Strip {
+pub(crate) fn fewest(found: Strip, elements: &[ContactElement], wanted: &SequenceOptions, control: &Control) -> Strip {
     // A strip that is not within the tolerance is no match for one that is, if there may be one.
     const HOPELESS: f64 = 3.0;
     let reached = bound(&found, elements);
@@ -112,7 +112,7 @@ pub(crate) fn fewest(found: Strip, elements: &[ContactElement], wanted: &RowOpti
 pub(crate) fn simplest(
     name: &str,
     elements: &[ContactElement],
-    wanted: &RowOptions,
+    wanted: &SequenceOptions,
     control: &Control,
 ) -> Option<Strip> {
     const FEW: usize = 36;
@@ -124,7 +124,7 @@ fn search(
     name: &str,
     best: (usize, f64, Option<Strip>),
     elements: &[ContactElement],
-    wanted: &RowOptions,
+    wanted: &SequenceOptions,
     control: &Control,
 ) -> Option<Strip> {
     let (tolerance, limits) = (wanted.tolerance, wanted.limits.as_ref());
@@ -157,7 +157,7 @@ fn search(
         kinds.push(Kind { propose: Box::new(propose), fewest: |n| if n == 1 { 4 } else { 6 + 3 * n } });
     }
     for kind in &kinds {
-        search.look(kind, control);
+        search.fewest_spans(kind, control);
     }
     search.best.2
 }

@@ -35,7 +35,7 @@ impl GivenBorder {
     }
 
     /// What is given, as points and, of rulings, the indices of the ends of neighbours.
-    pub fn sheet(&self) -> (Vec<Vec3>, Vec<[u32; 4]>) {
+    pub fn points_and_cells(&self) -> (Vec<Vec3>, Vec<[u32; 4]>) {
         match self {
             Self::Rulings(all) => {
                 let between = (1..all.len() as u32).map(|k| [2 * k - 2, 2 * k - 1, 2 * k, 2 * k + 1]);

@@ -1,6 +1,6 @@
 //! Strips of convex hulls \[W15, 5.4\] before their judge: what is bounded is kept, the rest is named.
 
-use super::judgement::{findings, summed, Candidate, Found, Judgement};
+use super::assessment::{findings, summed, Assessment, Candidate, Found};
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::rails::{tip_bound, twist_bound};
 use crate::control::Control;
@@ -102,18 +102,18 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
         }
     }
     out.count_skipped();
-    let judgement = summed(&written, [What::FromSide(0), What::FromSide(1)], twist);
-    out.missing.extend(judgement.missing.iter().cloned());
-    for ((c, _), field) in written.iter().zip(&judgement.fields) {
+    let assessment = summed(&written, [What::FromSide(0), What::FromSide(1)], twist);
+    out.missing.extend(assessment.missing.iter().cloned());
+    for ((c, _), field) in written.iter().zip(&assessment.fields) {
         out.fields[c.index] = field.clone();
     }
-    out.claims.extend((judgement.counts[0] > 0).then(|| from_curves(&out.tips, &judgement, tolerance)));
-    out.claims.extend(judgement.whole());
-    out.of_strips = judgement.claims;
+    out.claims.extend((assessment.counts[0] > 0).then(|| from_curves(&out.tips, &assessment, tolerance)));
+    out.claims.extend(assessment.whole());
+    out.of_strips = assessment.claims;
     for (index, facet) in facets {
         out.of_strips.extend(facet_claims(index, facet, twist));
     }
-    out.meaning = judgement.meaning;
+    out.meaning = assessment.meaning;
     if out.strips.is_empty() {
         out.missing.push(StripReason::NoHull.into());
     }
@@ -121,10 +121,10 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
 }
 
 /// How far the strips are from the curves, tips that are cut off included.
-fn from_curves(tips: &[UpperBound], judgement: &Judgement, tolerance: f64) -> Claim {
-    let off = UpperBound::largest(tips.iter().copied().chain(judgement.off));
+fn from_curves(tips: &[UpperBound], assessment: &Assessment, tolerance: f64) -> Claim {
+    let off = UpperBound::largest(tips.iter().copied().chain(assessment.off));
     // Of tips that are cut off no strip is the witness.
-    let most = (0..2).find(|&side| judgement.off[side] == off).and_then(|side| judgement.farthest[side].clone());
+    let most = (0..2).find(|&side| assessment.off[side] == off).and_then(|side| assessment.farthest[side].clone());
     Claim::at_most(What::FromCurves, Subject::Whole, off).within(tolerance).because(Reason::from(StripReason::Stray {
         by: off.value(),
         from: Curves::All,

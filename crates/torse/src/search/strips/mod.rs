@@ -1,5 +1,6 @@
 //! Strips that are proposed and judged for lofts, rows of elements, given faces and cone splines.
 
+pub(crate) mod assessment;
 pub(crate) mod cone_body;
 pub(crate) mod cone_outline;
 pub(crate) mod cone_strip;
@@ -11,7 +12,6 @@ pub(crate) mod fewest;
 pub(crate) mod given_outline;
 pub(crate) mod hull_kept;
 pub(crate) mod hull_whole;
-pub(crate) mod judgement;
 pub(crate) mod loft_ends;
 pub(crate) mod regression;
 pub(crate) mod rows;

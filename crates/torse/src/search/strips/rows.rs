@@ -6,7 +6,7 @@ use super::ruled_face::{is_simplest, no_simpler, GivenFace};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::fit::elements::extent::strip;
-use crate::fit::elements::sequence::{row, torses, RowOptions, RowPiece};
+use crate::fit::elements::sequence::{sequence_pieces, torses, SequenceOptions, SequencePiece};
 use crate::reason::{Reason, StripReason};
 use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
@@ -31,10 +31,10 @@ pub(crate) struct RowsAsked {
 
 impl RowsAsked {
     /// Options of the fits at a tolerance (mm) and a number of strips.
-    fn fits(&self, tolerance: f64, max_pieces: usize, limits: Option<RegressionLimits>) -> RowOptions {
-        let plain = RowOptions::new(tolerance);
+    fn fits(&self, tolerance: f64, max_pieces: usize, limits: Option<RegressionLimits>) -> SequenceOptions {
+        let plain = SequenceOptions::new(tolerance);
         let smoothing = self.smoothing.unwrap_or(plain.smoothing);
-        RowOptions { max_pieces, limits, smoothing, fix_ends: self.fix_ends, ..plain }
+        SequenceOptions { max_pieces, limits, smoothing, fix_ends: self.fix_ends, ..plain }
     }
 }
 
@@ -171,7 +171,7 @@ fn attempt(
     let wanted = options.fits(aim * options.tolerance, most, limits);
     let mut strips: Vec<Strip> = Vec::new();
     let (mut ranges, mut missed) = (Vec::new(), Vec::new());
-    let pieces = row(elements, &wanted);
+    let pieces = sequence_pieces(elements, &wanted);
     let kept_off = pieces.iter().all(|p| p.kept_off);
     for piece in pieces {
         let own = &elements[piece.range.clone()];
@@ -243,7 +243,7 @@ fn best(
 /// Why torses give no strip; nothing where there are none.
 fn nearest(
     name: &str,
-    piece: &RowPiece,
+    piece: &SequencePiece,
     own: &[ContactElement],
     options: &RowsAsked,
 ) -> Result<Strip, Option<StripReason>> {

@@ -110,7 +110,7 @@ impl GivenFace {
             let n = kept.len();
             let mut places = Vec::new();
             for k in 0..n {
-                self.along(kept[k], kept[(k + 1) % n], chord, &mut places);
+                self.places_along_side(kept[k], kept[(k + 1) % n], chord, &mut places);
             }
             out.push(places);
         }
@@ -123,7 +123,7 @@ impl GivenFace {
     }
 
     /// Places along a side of the border, without its end.
-    fn along(&self, a: [f64; 2], b: [f64; 2], chord: f64, out: &mut Vec<Vec3>) {
+    fn places_along_side(&self, a: [f64; 2], b: [f64; 2], chord: f64, out: &mut Vec<Vec3>) {
         let at = |s: f64| self.outline.surface.point(a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s);
         let mut open: Vec<(f64, f64, usize)> =
             (0..PARTS).rev().map(|k| (k as f64 / PARTS as f64, (k + 1) as f64 / PARTS as f64, 0)).collect();

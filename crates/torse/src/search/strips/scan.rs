@@ -384,7 +384,7 @@ fn nearest(
     let some: Vec<Vec3> = judged.iter().step_by(judged.len().div_ceil(JUDGED).max(1)).copied().collect();
     let mut best: Option<(bool, usize, f64, Strip)> = None;
     let mut reason = None;
-    let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
+    let mut try_fit = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
         Ok(s) => {
             let c = certified(std::slice::from_ref(&s), &some, &Control::default());
             let rank =
@@ -401,12 +401,12 @@ fn nearest(
     };
     let mut done = false;
     for fit in fits {
-        done |= look(fit);
+        done |= try_fit(fit);
     }
     if !done {
         for fit in fits {
             if let Some(again) = polished(fit, &some, options.tolerance) {
-                look(&widened(&again).unwrap_or(again));
+                try_fit(&widened(&again).unwrap_or(again));
             }
         }
     }

@@ -20,7 +20,7 @@ pub struct PartEdge {
     pub border: Option<u32>,
 }
 
-/// Course of an edge.
+/// The curve of an edge.
 #[derive(Clone, Debug)]
 pub enum PartCurve {
     /// The straight stretch of a ruling between the vertices.

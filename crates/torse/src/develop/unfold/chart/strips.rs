@@ -10,7 +10,7 @@
 //! map of the whole face has their outer rulings. So are general cones below their face, whose offsets are tangent surfaces.
 
 use super::{Line, Ruled};
-use crate::brep::carrier::Carrier;
+use crate::brep::recognised_surface::RecognisedSurface;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};
 use std::f64::consts::PI;
@@ -31,13 +31,13 @@ const LOOKED_AT: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
 /// turn from each other by less than rounding over the length of a strip.
 const FAR: f64 = 1e6;
 
-/// The strips of a face in the plane of its own map, in order of the rulings; none for other carriers and where a sheet is thicker
+/// The strips of a face in the plane of its own map, in order of the rulings; none for other surfaces and where a sheet is thicker
 /// than the radius. They keep to their rulings within a share of `tolerance` (mm).
-pub(super) fn strips(ruled: &Ruled, carrier: &Carrier, tolerance: f64) -> Vec<MapStrip> {
-    let meet = match carrier {
-        Carrier::GeneralCylinder { .. } => Meet::Nowhere,
-        Carrier::GeneralCone { apex } if ruled.fibre.is_face() => Meet::At(*apex),
-        Carrier::GeneralCone { .. } | Carrier::TangentSurface => Meet::Anywhere,
+pub(super) fn strips(ruled: &Ruled, recognised: &RecognisedSurface, tolerance: f64) -> Vec<MapStrip> {
+    let meet = match recognised {
+        RecognisedSurface::GeneralCylinder { .. } => Meet::Nowhere,
+        RecognisedSurface::GeneralCone { apex } if ruled.fibre.is_face() => Meet::At(*apex),
+        RecognisedSurface::GeneralCone { .. } | RecognisedSurface::TangentSurface => Meet::Anywhere,
         _ => return Vec::new(),
     };
     let extent = ruled.surface.bbox().diagonal();
@@ -221,7 +221,7 @@ impl Cutter<'_> {
         Some((map, [angle(p), angle(r)]))
     }
 
-    /// Distance of a ruling from the carrier of a map, at its ends.
+    /// Distance of a ruling from the surface of a map, at its ends.
     fn distance(&self, map: &ClosedMap, s: f64) -> Option<f64> {
         let off = |x: Vec3| {
             let q = map.frame().to_local(&x);

@@ -54,7 +54,7 @@ fn noisy(planes: &[TangentPlane], size: f64) -> Vec<TangentPlane> {
         .collect()
 }
 
-fn summary(runs: &[Run]) -> Vec<(usize, usize, &'static str)> {
+fn summary(runs: &[EnvelopePiece]) -> Vec<(usize, usize, &'static str)> {
     runs.iter().map(|r| (r.first, r.end, r.shape.name())).collect()
 }
 
@@ -64,11 +64,11 @@ fn proposition_1_12_every_shape_is_found_with_its_parameters() {
     let runs = decompose(&all, &DecomposeOptions::default()).expect("runs");
     assert_eq!(summary(&runs), [(0, 20, "plane"), (20, 45, "cylinder"), (45, 70, "cone"), (70, 95, "tangent")]);
     assert!(runs.iter().all(|r| !r.ambiguous && r.residual < 1e-7));
-    let RunShape::Plane { plane } = runs[0].shape else { panic!("{:?}", runs[0]) };
+    let EnvelopeShape::Plane { plane } = runs[0].shape else { panic!("{:?}", runs[0]) };
     assert!((plane.normal - flat(1)[0].normal).norm() < 1e-12 && (plane.offset + 0.2).abs() < 1e-12);
-    let RunShape::Cylinder { direction } = runs[1].shape else { panic!("{:?}", runs[1]) };
+    let EnvelopeShape::Cylinder { direction } = runs[1].shape else { panic!("{:?}", runs[1]) };
     assert!(direction.cross(&Vec3::z()).norm() < 1e-8);
-    let RunShape::Cone { apex } = runs[2].shape else { panic!("{:?}", runs[2]) };
+    let EnvelopeShape::Cone { apex } = runs[2].shape else { panic!("{:?}", runs[2]) };
     assert!((apex - Vec3::new(0.2, -0.1, 0.9)).norm() < 1e-10);
 }
 
@@ -114,13 +114,13 @@ fn motions_scales_and_flipped_normals_change_nothing() {
     let options = DecomposeOptions { centre: shift, size: 1e3, noise: 1e-6, ..DecomposeOptions::default() };
     let runs = decompose(&moved, &options).expect("runs");
     assert_eq!(summary(&runs), [(0, 25, "cylinder"), (25, 50, "cone"), (50, 75, "tangent")]);
-    let RunShape::Cone { apex } = runs[1].shape else { panic!("{:?}", runs[1]) };
+    let EnvelopeShape::Cone { apex } = runs[1].shape else { panic!("{:?}", runs[1]) };
     assert!((apex - (shift + turn * Vec3::new(0.2, -0.1, 0.9) * 1e3)).norm() < 1e-6);
 }
 
 #[test]
 fn between_cylinders_and_cones_noise_makes_the_shape_ambiguous() {
-    let steep = |slope: f64| -> Run {
+    let steep = |slope: f64| -> EnvelopePiece {
         let planes: Vec<TangentPlane> = (0..25)
             .map(|k| (f64::from(k) * 0.045).sin_cos())
             .map(|(s, c)| plane(Vec3::new(c, s, slope), Vec3::new(0.0, 0.0, 0.5 / slope.max(1e-3))))

@@ -25,7 +25,7 @@ pub(super) enum Aim<'a> {
     /// The feet of the border's points.
     Feet,
     /// The places where the torse meets the lines on which panels end, moved to given ends by so much.
-    Wall([[f64; 2]; 2]),
+    Normals([[f64; 2]; 2]),
     /// A curve on the torse, and its length, mm.
     Edge(&'a Curve<3>, f64),
 }
@@ -92,7 +92,7 @@ impl Path<'_> {
                 let x = face.surface.point(uv[0], uv[1]);
                 (self.torse.foot(&x, guess)?, x)
             }
-            Aim::Wall([a, b]) => {
+            Aim::Normals([a, b]) => {
                 shift = [0, 1].map(|d: usize| a[d] * (1.0 - s) + b[d] * s);
                 let normal = self.borders.lean_between(self.vertices[k], self.vertices[k + 1], l);
                 on_normal(&face.surface.point(uv[0], uv[1]), &normal, self.torse, guess)?

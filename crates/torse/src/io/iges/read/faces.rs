@@ -9,7 +9,7 @@ use crate::brep::area::spanned_area_estimate;
 use crate::brep::face::Face;
 use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::brep::trim::{self, TrimError};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
@@ -225,7 +225,7 @@ fn bounded_spline(patch: Patch) -> Result<Patch, String> {
     };
     let (surface, _) = patch.support.to_spline(u, v).map_err(|why| why.to_string())?;
     let surface = surface.restricted(u, v).unwrap_or(surface);
-    let support = SupportSurface::Spline(SplineCarrier::new(surface));
+    let support = SupportSurface::Spline(SplineSupport::new(surface));
     Ok(Patch { support, rectangle: None, chart: None, ..patch })
 }
 

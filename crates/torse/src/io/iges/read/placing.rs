@@ -3,7 +3,7 @@
 use super::records::DEEPEST;
 use super::records::{Entry, Fault, Records};
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::placement::Placement;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
@@ -115,7 +115,7 @@ pub(super) fn support(c: &SupportSurface, p: &Placement) -> Option<SupportSurfac
     if let SupportSurface::Spline(s) = c {
         let mut surface = s.surface.clone();
         surface.place(p);
-        return Some(SupportSurface::Spline(SplineCarrier::new(surface)));
+        return Some(SupportSurface::Spline(SplineSupport::new(surface)));
     }
     let s = similarity(p).filter(|_| !p.reflects())?;
     Some(match c {

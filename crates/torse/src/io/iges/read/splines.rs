@@ -4,7 +4,7 @@ use super::curves::{bernstein, evened, power_degree, range, without_excess};
 use super::patch::Patch;
 use super::records::{Entry, Fault};
 use crate::brep::raw::SurfaceKind;
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{BBox, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -14,7 +14,7 @@ use crate::spline::SplineError;
 const FARTHEST: f64 = 1e12;
 
 fn patch(surface: Surface, deviation: f64) -> Patch {
-    let support = SupportSurface::Spline(SplineCarrier::new(surface));
+    let support = SupportSurface::Spline(SplineSupport::new(surface));
     Patch { deviation, ..Patch::exact(support, SurfaceKind::Spline) }
 }
 

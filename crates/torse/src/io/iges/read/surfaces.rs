@@ -11,7 +11,7 @@ use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::ruled::Ruled;
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::brep::swept;
 use crate::geom::{Frame, Vec3};
 use crate::spline::SplineError;
@@ -91,7 +91,7 @@ impl Geometry<'_> {
             let rectangle = Some([(0.0, 1.0); 2]);
             return Ok(Patch { rectangle, chart, deviation, ..Patch::exact(support, SurfaceKind::Extrusion) });
         }
-        let support = SupportSurface::Spline(SplineCarrier::new(ruled.surface().map_err(wrong)?));
+        let support = SupportSurface::Spline(SplineSupport::new(ruled.surface().map_err(wrong)?));
         Ok(Patch { chart, deviation, ..Patch::exact(support, SurfaceKind::Spline) })
     }
 
@@ -129,7 +129,7 @@ impl Geometry<'_> {
         let side = jet.du.cross(&jet.dv).dot(&indicator);
         let side = if side == 0.0 && base.same_sense { 1.0 } else { side };
         let distance = e.number(4)? * if side < 0.0 { -1.0 } else { 1.0 };
-        let (support, deviation) = offset::of_carrier(&base.support, distance)
+        let (support, deviation) = offset::of_support(&base.support, distance)
             .map_err(|why| Fault::new(e.number, format!("offset surface D{}: {why}", e.number)))?;
         let deviation = base.deviation + deviation;
         Ok(Patch { support, kind: SurfaceKind::Offset, deviation, round: None, ..base })

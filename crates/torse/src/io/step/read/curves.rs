@@ -25,7 +25,7 @@ pub(super) struct Geometry<'r, 'a> {
 
 /// A curve as a definition leaves it.
 #[derive(Clone, Debug)]
-pub(super) enum Course {
+pub(super) enum ResolvedCurve {
     /// A basis curve, not yet cut; `false` if the definition runs against it.
     Basis(SpaceCurve, bool),
     /// A path of pieces.
@@ -131,7 +131,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 
     /// A curve with bounds resolved as far as its definition gives them.
-    pub fn course(&self, id: u64, depth: u32) -> Result<Course, Fault> {
+    pub fn resolved_curve(&self, id: u64, depth: u32) -> Result<ResolvedCurve, Fault> {
         if depth > DEEPEST {
             return Err(too_deep(id));
         }
@@ -145,17 +145,17 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "BOUNDED_SURFACE_CURVE" => {
                 let args = part.or(r.parts.last()).map_or(&[][..], |p| &p.args);
                 let curve = args.iter().find_map(as_reference);
-                self.course(curve.ok_or_else(|| Fault::new(id, format!("#{id} names no curve")))?, depth + 1)
+                self.resolved_curve(curve.ok_or_else(|| Fault::new(id, format!("#{id} names no curve")))?, depth + 1)
             }
-            "TRIMMED_CURVE" => self.trimmed(id, depth).map(|a| Course::Path(vec![a])),
+            "TRIMMED_CURVE" => self.trimmed(id, depth).map(|a| ResolvedCurve::Path(vec![a])),
             "COMPOSITE_CURVE" | "COMPOSITE_CURVE_ON_SURFACE" | "BOUNDARY_CURVE" | "OUTER_BOUNDARY_CURVE" => {
-                self.composite(id, depth).map(Course::Path)
+                self.composite(id, depth).map(ResolvedCurve::Path)
             }
             "ORIENTED_CURVE" | "CURVE_REPLICA" => {
                 Err(Fault::new(id, format!("a curve of kind {} is not read", r.name())))
             }
             "PCURVE" | "DEGENERATE_PCURVE" => self.traced(id, depth),
-            _ => self.basis(id, depth).map(|c| Course::Basis(c, true)),
+            _ => self.basis(id, depth).map(|c| ResolvedCurve::Basis(c, true)),
         }
     }
 
@@ -283,10 +283,12 @@ impl<'r, 'a> Geometry<'r, 'a> {
     fn trimmed(&self, id: u64, depth: u32) -> Result<Arc, Fault> {
         let a = self.records.args(id, "TRIMMED_CURVE")?;
         let basis_id = a.reference(1)?;
-        let curve = match self.course(basis_id, depth + 1)? {
-            Course::Basis(c, _) => c,
-            Course::Path(mut p) if p.len() == 1 => p.remove(0).curve,
-            Course::Path(_) => return Err(Fault::new(id, format!("#{id} trims a composite curve, which is not read"))),
+        let curve = match self.resolved_curve(basis_id, depth + 1)? {
+            ResolvedCurve::Basis(c, _) => c,
+            ResolvedCurve::Path(mut p) if p.len() == 1 => p.remove(0).curve,
+            ResolvedCurve::Path(_) => {
+                return Err(Fault::new(id, format!("#{id} trims a composite curve, which is not read")))
+            }
         };
         self.cut(&a, curve, &|p| self.point(p))
     }
@@ -341,9 +343,9 @@ impl<'r, 'a> Geometry<'r, 'a> {
             let part = r.parts.iter().find(|p| p.name == "COMPOSITE_CURVE_SEGMENT");
             let part = part.ok_or_else(|| Fault::new(*s, format!("#{s} is not a segment of a composite curve")))?;
             let a = Args { id: *s, values: &part.args };
-            let mut path = match self.course(a.reference(2)?, depth + 1)? {
-                Course::Path(p) => p,
-                Course::Basis(c, along) => {
+            let mut path = match self.resolved_curve(a.reference(2)?, depth + 1)? {
+                ResolvedCurve::Path(p) => p,
+                ResolvedCurve::Basis(c, along) => {
                     let (from, to) =
                         c.domain().ok_or_else(|| Fault::new(*s, format!("segment #{s} is an endless curve")))?;
                     let arc = Arc { curve: c, from, to };
@@ -363,7 +365,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 
     /// A curve given only in the parameter plane of a surface.
-    fn traced(&self, id: u64, depth: u32) -> Result<Course, Fault> {
+    fn traced(&self, id: u64, depth: u32) -> Result<ResolvedCurve, Fault> {
         let a = self.records.simple(id)?;
         let support = self.surface(a.reference(1)?, depth + 1)?;
         let definition = self.records.simple(a.reference(2)?)?;
@@ -372,10 +374,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let scale = support.parameter_units(self.units);
         if self.records.name(item) != "TRIMMED_CURVE" {
             let flat = self.plane_curve(item)?;
-            return Ok(Course::Basis(SpaceCurve::traced(flat, support.support, scale), true));
+            return Ok(ResolvedCurve::Basis(SpaceCurve::traced(flat, support.support, scale), true));
         }
         let Arc { curve, from, to } = self.trimmed_in_plane(item)?;
-        Ok(Course::Path(vec![Arc { curve: SpaceCurve::traced(curve, support.support, scale), from, to }]))
+        Ok(ResolvedCurve::Path(vec![Arc { curve: SpaceCurve::traced(curve, support.support, scale), from, to }]))
     }
 
     /// The piece of a curve of a parameter plane between two trims.

@@ -1,6 +1,6 @@
 //! Edges and free curves of a STEP file, in millimetres, for jobs that start from curves.
 
-use super::curves::{Course, Geometry};
+use super::curves::{Geometry, ResolvedCurve};
 use super::records::{Fault, Records};
 use super::topology::ParameterPlane;
 use super::{decoded, foreign, product, units, ReadError};
@@ -75,7 +75,7 @@ pub fn curves(bytes: &[u8]) -> Result<Vec<EdgeCurve>, ReadError> {
         let free = ["B_SPLINE_CURVE_WITH_KNOTS", "POLYLINE", "TRIMMED_CURVE", "COMPOSITE_CURVE", "CIRCLE", "ELLIPSE"];
         let ids = if meant.is_empty() { records.all(&free) } else { meant };
         for id in ids {
-            keep(id, 1, &Placement::identity(), geometry.course(id, 0).and_then(|c| whole(id, c)));
+            keep(id, 1, &Placement::identity(), geometry.resolved_curve(id, 0).and_then(|c| whole(id, c)));
         }
     }
     match (out.is_empty(), fault) {
@@ -151,11 +151,11 @@ fn placed(c: &Curve<4>, place: &Placement) -> Curve<4> {
     Curve { knots: c.knots.clone(), control: c.control.iter().map(moved).collect() }
 }
 
-/// A course as a path: bounded curves as they are.
-fn whole(id: u64, course: Course) -> Result<Vec<Arc>, Fault> {
-    match course {
-        Course::Path(path) => Ok(path),
-        Course::Basis(curve, _) => match curve.domain() {
+/// A curve as a path: bounded curves as they are.
+fn whole(id: u64, curve: ResolvedCurve) -> Result<Vec<Arc>, Fault> {
+    match curve {
+        ResolvedCurve::Path(path) => Ok(path),
+        ResolvedCurve::Basis(curve, _) => match curve.domain() {
             Some((from, to)) => Ok(vec![Arc { curve, from, to }]),
             None => Err(Fault::new(id, format!("#{id} is an endless curve"))),
         },

@@ -6,7 +6,7 @@ use super::topology::turn;
 use crate::brep::raw::SurfaceKind;
 use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 
@@ -80,7 +80,7 @@ fn moved(c: &SupportSurface, way: &Vec3) -> Option<SupportSurface> {
         SupportSurface::Spline(s) => {
             let mut surface = s.surface.clone();
             surface.place(&Placement { shift: *way, ..Placement::identity() });
-            Some(SupportSurface::Spline(SplineCarrier::new(surface)))
+            Some(SupportSurface::Spline(SplineSupport::new(surface)))
         }
         _ => None,
     }

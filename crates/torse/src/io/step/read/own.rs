@@ -7,7 +7,7 @@ use super::records::{as_number, as_reference, Args, Fault, Records};
 use super::token::Value;
 use super::{decoded, units};
 use crate::patchwork::written::{
-    WrittenBase, WrittenCourse, WrittenEdge, WrittenExact, WrittenFace, WrittenSide, WrittenStrip, WrittenSurface,
+    WrittenBase, WrittenCurve, WrittenEdge, WrittenExact, WrittenFace, WrittenSide, WrittenStrip, WrittenSurface,
 };
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -160,23 +160,23 @@ fn side(records: &Records, id: u64) -> Result<WrittenSide, Fault> {
         "SURFACE_CURVE" => records.simple(use_.curve)?.reference(1)?,
         _ => use_.curve,
     };
-    let course = match records.name(in_space) {
+    let curve = match records.name(in_space) {
         "LINE" => {
             let l = records.simple(in_space)?;
             let along = records.args(l.reference(2)?, "VECTOR")?.reference(1)?;
-            WrittenCourse::Line { point: point(records, l.reference(1)?)?, direction: direction(records, along)? }
+            WrittenCurve::Line { point: point(records, l.reference(1)?)?, direction: direction(records, along)? }
         }
         "CIRCLE" => {
             let c = records.simple(in_space)?;
             let (centre, axis) = placement(records, c.reference(1)?)?;
-            WrittenCourse::Circle { centre, axis, radius: c.number(2)? }
+            WrittenCurve::Circle { centre, axis, radius: c.number(2)? }
         }
         _ => {
             let (curve, weights) = spline(records, in_space)?;
-            WrittenCourse::Spline { curve, weights }
+            WrittenCurve::Spline { curve, weights }
         }
     };
-    Ok(WrittenSide { entity: use_.entity, forward: use_.forward, vertices: use_.vertices, course })
+    Ok(WrittenSide { entity: use_.entity, forward: use_.forward, vertices: use_.vertices, curve })
 }
 
 /// An edge as a loop names it.

@@ -1,6 +1,6 @@
 //! Surfaces of ISO 10303-42.
 
-use super::curves::{expanded, implied_knots, kind_of_knots, too_deep, Course, Geometry, DEEPEST};
+use super::curves::{expanded, implied_knots, kind_of_knots, too_deep, Geometry, ResolvedCurve, DEEPEST};
 use super::records::{as_number, as_reference, Args, Fault};
 use super::token::Value;
 use super::units::Units;
@@ -8,7 +8,7 @@ use crate::brep::offset;
 use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::brep::swept;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
@@ -106,7 +106,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
                     base = Patch { support, same_sense: base.same_sense == same, recast: true, ..base };
                 }
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
-                let (support, deviation) = offset::of_carrier(&base.support, distance)
+                let (support, deviation) = offset::of_support(&base.support, distance)
                     .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
                 Ok(Patch { support, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
             }
@@ -122,7 +122,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
             }
             _ if r.parts.iter().any(|p| is_spline(p.name)) => {
                 let s = self.spline_surface(id)?;
-                Ok(Patch::exact(SupportSurface::Spline(SplineCarrier::new(s)), SurfaceKind::Spline))
+                Ok(Patch::exact(SupportSurface::Spline(SplineSupport::new(s)), SurfaceKind::Spline))
             }
             other => Err(Fault::new(id, format!("a surface of kind {other} is not read"))),
         }
@@ -202,13 +202,13 @@ impl<'r, 'a> Geometry<'r, 'a> {
 
     /// The curve that a swept surface is made from.
     fn directrix(&self, id: u64, depth: u32) -> Result<Directrix, Fault> {
-        match self.course(id, depth + 1)? {
-            Course::Basis(c, along) => Ok((c, along, None)),
-            Course::Path(mut p) if p.len() == 1 => {
+        match self.resolved_curve(id, depth + 1)? {
+            ResolvedCurve::Basis(c, along) => Ok((c, along, None)),
+            ResolvedCurve::Path(mut p) if p.len() == 1 => {
                 let Arc { curve, from, to } = p.remove(0);
                 Ok((curve, to >= from, Some((from.min(to), from.max(to)))))
             }
-            Course::Path(_) => {
+            ResolvedCurve::Path(_) => {
                 Err(Fault::new(id, format!("the composite curve #{id} as profile of a surface is not read")))
             }
         }
@@ -289,5 +289,5 @@ fn moved(c: &SupportSurface, placement: &Placement) -> Option<SupportSurface> {
     let SupportSurface::Spline(s) = c else { return None };
     let mut surface = s.surface.clone();
     surface.place(placement);
-    Some(SupportSurface::Spline(SplineCarrier::new(surface)))
+    Some(SupportSurface::Spline(SplineSupport::new(surface)))
 }

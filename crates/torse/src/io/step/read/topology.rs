@@ -1,6 +1,6 @@
 //! Faces, loops and edges of ISO 10303-42, and surfaces that are bounded without topology.
 
-use super::curves::{Course, Geometry, DEEPEST};
+use super::curves::{Geometry, ResolvedCurve, DEEPEST};
 use super::records::{as_reference, Args, Fault};
 use super::surfaces::Patch;
 use super::token::Value;
@@ -133,9 +133,9 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let pieces = if composite {
             self.segments(id, 0)?
         } else {
-            match self.course(id, 0)? {
-                Course::Path(path) => path.into_iter().map(|arc| (id, arc)).collect(),
-                Course::Basis(curve, _) => {
+            match self.resolved_curve(id, 0)? {
+                ResolvedCurve::Path(path) => path.into_iter().map(|arc| (id, arc)).collect(),
+                ResolvedCurve::Basis(curve, _) => {
                     let domain = curve.domain();
                     let (from, to) = domain.ok_or_else(|| Fault::new(id, format!("the boundary #{id} is endless")))?;
                     vec![(id, Arc { curve, from, to })]
@@ -217,14 +217,14 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let (start, end) = (a.reference(1)?, a.reference(2)?);
         let (p, q) = (self.vertex(start)?, self.vertex(end)?);
         let same = a.logical(4, true);
-        let path = match self.course(a.reference(3)?, 0)? {
-            Course::Basis(c, along) => vec![edge::between(&c, &p, &q, start == end, same == along)],
+        let path = match self.resolved_curve(a.reference(3)?, 0)? {
+            ResolvedCurve::Basis(c, along) => vec![edge::between(&c, &p, &q, start == end, same == along)],
             // A trimmed curve is its basis, cut anew by the vertices.
-            Course::Path(path) if path.len() == 1 => {
+            ResolvedCurve::Path(path) if path.len() == 1 => {
                 let arc = &path[0];
                 vec![edge::between(&arc.curve, &p, &q, start == end, same == (arc.to >= arc.from))]
             }
-            Course::Path(path) => {
+            ResolvedCurve::Path(path) => {
                 let path = if same { path } else { path.iter().rev().map(Arc::reversed).collect() };
                 if start == end {
                     path
@@ -267,9 +267,9 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "CARTESIAN_POINT" => self.point(p),
             "POINT_ON_CURVE" => {
                 let b = self.records.simple(p)?;
-                match self.course(b.reference(1)?, 0)? {
-                    Course::Basis(c, _) => Ok(c.point(b.number(2)?)),
-                    Course::Path(_) => Err(Fault::new(p, format!("point #{p} on a bounded curve is not read"))),
+                match self.resolved_curve(b.reference(1)?, 0)? {
+                    ResolvedCurve::Basis(c, _) => Ok(c.point(b.number(2)?)),
+                    ResolvedCurve::Path(_) => Err(Fault::new(p, format!("point #{p} on a bounded curve is not read"))),
                 }
             }
             other => Err(Fault::new(p, format!("a point of kind {other} is not read"))),

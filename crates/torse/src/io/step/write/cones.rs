@@ -1,6 +1,6 @@
-//! Cone splines as sheets of exact conical, cylindrical and plane faces that share their junction rulings.
+//! Cone splines as shells of exact conical, cylindrical and plane faces that share their junction rulings.
 
-use super::sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface};
+use super::shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::torse::cone::distance::Round;
@@ -12,15 +12,15 @@ use std::f64::consts::TAU;
 /// Turns beyond this are written as several faces, rad, unless edges are circles: conic edges keep weights above 1/2.
 const LARGEST_TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
-impl Sheet {
+impl Shell {
     /// A chain: one face for each segment (CONICAL_SURFACE, CYLINDRICAL_SURFACE, PLANE), named `name-01 cone` and so
     /// on, normals on the side of the segments' normals. Lateral edges are circles or conics, the others lines.
     pub fn of_cones(name: &str, spline: &ConeSpline) -> Self {
         let spline = spline.with_turns_below(LARGEST_TURN, ONCE_AROUND);
-        let mut sheet = Self { name: name.into(), ..Self::default() };
-        let Some(first) = spline.segments.first() else { return sheet };
+        let mut shell = Self { name: name.into(), ..Self::default() };
+        let Some(first) = spline.segments.first() else { return shell };
         let mut ends = |s: &Segment, f: f64, k: usize| {
-            sheet.vertices.extend([0, 1].map(|side| s.point(f, s.edges[side][k])));
+            shell.vertices.extend([0, 1].map(|side| s.point(f, s.edges[side][k])));
         };
         ends(first, 0.0, 0);
         // A full turn ends where it begins: one slit, used there and back.
@@ -31,17 +31,17 @@ impl Sheet {
             }
         }
         // Edges 3i: ruling i; 3i + 1 and 3i + 2: lower and upper edge of segment i.
-        let ruling = |i: usize| SheetEdge { start: 2 * i, end: 2 * i + 1, curve: SheetCurve::Line };
+        let ruling = |i: usize| ShellEdge { start: 2 * i, end: 2 * i + 1, curve: ShellCurve::Line };
         let edge_use = |edge: usize, forward: bool| EdgeUse { edge, forward, trim: None };
         for (i, s) in spline.segments.iter().enumerate() {
-            sheet.edges.push(ruling(i));
+            shell.edges.push(ruling(i));
             for side in 0..2 {
                 let curve = lateral(s, side);
                 let end = if closed { side } else { 2 * i + 2 + side };
-                sheet.edges.push(SheetEdge { start: 2 * i + side, end, curve });
+                shell.edges.push(ShellEdge { start: 2 * i + side, end, curve });
             }
             let (surface, reversed) = support(s);
-            sheet.faces.push(SheetFace {
+            shell.faces.push(ShellFace {
                 name: format!("{name}-{:02} {}", i + 1, s.shape.name()),
                 surface,
                 reversed,
@@ -54,27 +54,27 @@ impl Sheet {
             });
         }
         if !closed {
-            sheet.edges.push(ruling(spline.segments.len()));
+            shell.edges.push(ruling(spline.segments.len()));
         }
-        sheet
+        shell
     }
 }
 
-impl Sheet {
+impl Shell {
     /// A trimmed chain: one face for each piece, named like those of whole chains; joints are shared lines, other
     /// edges splines near the exact surfaces.
     pub fn of_cone_part(name: &str, part: &ConePart) -> Self {
-        let mut sheet = Self { name: name.into(), vertices: part.vertices.clone(), ..Self::default() };
+        let mut shell = Self { name: name.into(), vertices: part.vertices.clone(), ..Self::default() };
         for e in &part.edges {
             let curve = match &e.curve {
-                PartCurve::Ruling => SheetCurve::Line,
-                PartCurve::Free { space, .. } => SheetCurve::Spline(space.clone()),
+                PartCurve::Ruling => ShellCurve::Line,
+                PartCurve::Free { space, .. } => ShellCurve::Spline(space.clone()),
             };
-            sheet.edges.push(SheetEdge { start: e.start, end: e.end, curve });
+            shell.edges.push(ShellEdge { start: e.start, end: e.end, curve });
         }
         for (i, f) in part.faces.iter().enumerate() {
             let (surface, reversed) = support(&f.blank.segment);
-            sheet.faces.push(SheetFace {
+            shell.faces.push(ShellFace {
                 name: format!("{name}-{:02} {}", i + 1, f.blank.segment.shape.name()),
                 surface,
                 reversed,
@@ -85,12 +85,12 @@ impl Sheet {
                     .collect(),
             });
         }
-        sheet
+        shell
     }
 }
 
 /// Surface of a face, and whether its normal is opposite to the segment's.
-fn support(s: &Segment) -> (SheetSurface, bool) {
+fn support(s: &Segment) -> (ShellSurface, bool) {
     let g = &s.start;
     let round = Round::of(s);
     // From the axis to the first point.
@@ -102,22 +102,22 @@ fn support(s: &Segment) -> (SheetSurface, bool) {
             let x = (out - z * out.dot(&z)).normalize();
             let frame = Frame { origin: round.center, x, y: z.cross(&x), z };
             let half_angle = sin_gamma.atan2(cos_gamma.abs());
-            (SheetSurface::Cone { frame, radius: round.radius, half_angle }, g.normal.dot(&x) < 0.0)
+            (ShellSurface::Cone { frame, radius: round.radius, half_angle }, g.normal.dot(&x) < 0.0)
         }
         Shape::Cylinder { radius, .. } => {
             let (z, x) = (g.direction, g.normal * radius.signum());
             let frame = Frame { origin: round.center, x, y: z.cross(&x), z };
-            (SheetSurface::Cylinder { frame, radius: round.radius }, radius < 0.0)
+            (ShellSurface::Cylinder { frame, radius: round.radius }, radius < 0.0)
         }
         _ => {
             let frame = Frame { origin: g.point, x: g.direction, y: g.forward, z: g.normal };
-            (SheetSurface::Plane(frame), false)
+            (ShellSurface::Plane(frame), false)
         }
     }
 }
 
 /// A lateral edge from the first ruling to the last.
-fn lateral(s: &Segment, side: usize) -> SheetCurve {
+fn lateral(s: &Segment, side: usize) -> ShellCurve {
     let [a, m, b] = s.edges[side];
     let same = a.total_cmp(&m).is_eq() && m.total_cmp(&b).is_eq();
     let angle = s.shape.angle();
@@ -129,16 +129,16 @@ fn lateral(s: &Segment, side: usize) -> SheetCurve {
         let out = y - z * y.dot(&z);
         let x = out.normalize();
         let frame = Frame { origin: start - out, x, y: z.cross(&x), z };
-        return SheetCurve::Circle { frame, radius: out.norm() };
+        return ShellCurve::Circle { frame, radius: out.norm() };
     }
     let conic = edge_conic(s, side);
     if angle == 0.0 && same {
-        return SheetCurve::Line;
+        return ShellCurve::Line;
     }
     let control = conic.iter().map(|(p, w): &(Vec3, f64)| [p.x * w, p.y * w, p.z * w, *w]).collect();
     match Curve::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], control) {
-        Ok(c) => SheetCurve::Rational(c),
+        Ok(c) => ShellCurve::Rational(c),
         // Only numbers that are not finite get here; the writer shows them as they are.
-        Err(_) => SheetCurve::Line,
+        Err(_) => ShellCurve::Line,
     }
 }

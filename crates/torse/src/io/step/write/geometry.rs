@@ -1,7 +1,7 @@
 //! Geometry records: points, placements, curves and surfaces (ISO 10303-42).
 
 use super::records::{boolean, list, real, references, Records};
-use super::{SheetCurve, SheetSurface};
+use super::{ShellCurve, ShellSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -59,39 +59,39 @@ fn affine_point(r: &mut Records, h: &[f64; 4]) -> u64 {
 }
 
 /// The curve of an edge between two points.
-pub(crate) fn edge_curve(r: &mut Records, c: &SheetCurve, start: &Vec3, end: &Vec3) -> u64 {
+pub(crate) fn edge_curve(r: &mut Records, c: &ShellCurve, start: &Vec3, end: &Vec3) -> u64 {
     match c {
-        SheetCurve::Line => {
+        ShellCurve::Line => {
             let chord = end - start;
             let (p, d) = (point(r, start.as_slice()), direction(r, &chord.normalize()));
             let v = r.push(&format!("VECTOR('',#{d},1.)"));
             r.push(&format!("LINE('',#{p},#{v})"))
         }
-        SheetCurve::Circle { frame, radius } => {
+        ShellCurve::Circle { frame, radius } => {
             let a = placement(r, frame);
             r.push(&format!("CIRCLE('',#{a},{})", real(*radius)))
         }
-        SheetCurve::Spline(c) => curve(r, c),
-        SheetCurve::Rational(c) => rational_curve(r, c),
+        ShellCurve::Spline(c) => curve(r, c),
+        ShellCurve::Rational(c) => rational_curve(r, c),
     }
 }
 
 /// The surface of a face.
-pub fn surface(r: &mut Records, s: &SheetSurface) -> u64 {
+pub fn surface(r: &mut Records, s: &ShellSurface) -> u64 {
     match s {
-        SheetSurface::Plane(f) => {
+        ShellSurface::Plane(f) => {
             let a = placement(r, f);
             r.push(&format!("PLANE('',#{a})"))
         }
-        SheetSurface::Cylinder { frame, radius } => {
+        ShellSurface::Cylinder { frame, radius } => {
             let a = placement(r, frame);
             r.push(&format!("CYLINDRICAL_SURFACE('',#{a},{})", real(*radius)))
         }
-        SheetSurface::Cone { frame, radius, half_angle } => {
+        ShellSurface::Cone { frame, radius, half_angle } => {
             let a = placement(r, frame);
             r.push(&format!("CONICAL_SURFACE('',#{a},{},{})", real(*radius), real(*half_angle)))
         }
-        SheetSurface::Spline { surface, form } => spline_surface(r, surface, form.keyword()),
+        ShellSurface::Spline { surface, form } => spline_surface(r, surface, form.keyword()),
     }
 }
 

@@ -1,15 +1,15 @@
 //! Sheets of panels that share edges: one shell for all panels that hang together, every shared edge once.
 
-use super::sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface};
+use super::shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
 use crate::draw::scene::titled;
 use crate::geom::Vec3;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
 use crate::patchwork::seam::Seam;
 use std::collections::{BTreeMap, HashMap};
 
-/// Sheets of a patchwork. Panels on both sides of a shared edge are in one sheet; its vertices are the ends of edges,
+/// Shells of a patchwork. Panels on both sides of a shared edge are in one shell; its vertices are the ends of edges,
 /// equal bit by bit. Panels that `marked` holds for carry it in their names.
-pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
+pub(crate) fn shells(patchwork: &Patchwork, marked: &[bool]) -> Vec<Shell> {
     let mut group: Vec<usize> = (0..patchwork.panels.len()).collect();
     let mut shared = BTreeMap::new();
     let reversed = |p: &Panel| patchwork.face_of(p).is_some_and(|f| f.reversed);
@@ -29,15 +29,15 @@ pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
         .into_values()
         .map(|panels| match panels[..] {
             [(one, marked)] => {
-                let sheet = if one.loops().is_empty() {
-                    Sheet::of_strip(&one.strip)
+                let shell = if one.loops().is_empty() {
+                    Shell::of_strip(&one.strip)
                 } else {
-                    Sheet::of_panel(one, reversed(one))
+                    Shell::of_panel(one, reversed(one))
                 };
                 if marked {
-                    sheet.marked()
+                    shell.marked()
                 } else {
-                    sheet
+                    shell
                 }
             }
             _ => sewn(&panels, &|b| shared_seam(patchwork, &shared, b), &reversed),
@@ -55,10 +55,10 @@ fn sewn(
     panels: &[(&Panel, bool)],
     shared: &dyn Fn(&Border) -> Option<(u32, bool)>,
     reversed: &dyn Fn(&Panel) -> bool,
-) -> Sheet {
+) -> Shell {
     let (first, last) = (&panels[0].0.strip.name, &panels[panels.len() - 1].0.strip.name);
     let whole = titled(&format!("{first}..{last}"), panels.iter().any(|p| p.1));
-    let mut sheet = Sheet { name: whole, ..Sheet::default() };
+    let mut shell = Shell { name: whole, ..Shell::default() };
     let mut vertices: HashMap<[u64; 3], usize> = HashMap::new();
     let mut edges: HashMap<u32, usize> = HashMap::new();
     for &(panel, marked) in panels {
@@ -77,13 +77,13 @@ fn sewn(
                 let mut vertex = |c: Option<&[f64; 3]>| {
                     let c = c.copied().unwrap_or_default();
                     *vertices.entry(c.map(f64::to_bits)).or_insert_with(|| {
-                        sheet.vertices.push(Vec3::from(c));
-                        sheet.vertices.len() - 1
+                        shell.vertices.push(Vec3::from(c));
+                        shell.vertices.len() - 1
                     })
                 };
                 let (start, end) = (vertex(run.edge.control.first()), vertex(run.edge.control.last()));
-                let edge = sheet.edges.len();
-                sheet.edges.push(SheetEdge { start, end, curve: SheetCurve::Spline(run.edge.clone()) });
+                let edge = shell.edges.len();
+                shell.edges.push(ShellEdge { start, end, curve: ShellCurve::Spline(run.edge.clone()) });
                 edges.extend(seam.map(|s| (s.0, edge)));
                 uses.push(EdgeUse { edge, forward: !turned, trim: Some(run.trim.clone()) });
             }
@@ -92,12 +92,12 @@ fn sewn(
             }
             loops.push(uses);
         }
-        sheet.faces.push(SheetFace {
+        shell.faces.push(ShellFace {
             name: titled(&panel.strip.name, marked),
-            surface: SheetSurface::Spline { surface: panel.strip.patch.clone(), form: panel.strip.kind.into() },
+            surface: ShellSurface::Spline { surface: panel.strip.patch.clone(), form: panel.strip.kind.into() },
             reversed: panel.mirrored() != turned,
             loops,
         });
     }
-    sheet
+    shell
 }

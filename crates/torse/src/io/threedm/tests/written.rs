@@ -3,7 +3,7 @@
 use super::super::{read, write};
 use super::{area, model, near, normal};
 use crate::geom::{Frame, Vec3};
-use crate::io::step::write::{EdgeUse, Header, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface, SurfaceForm};
+use crate::io::step::write::{EdgeUse, Header, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface, SurfaceForm};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -24,7 +24,7 @@ fn parabola() -> Surface {
 }
 
 /// A rectangle of the parameter plane of the parabola as a loop, with exact edges.
-fn ring(s: &mut Sheet, corners: [[f64; 2]; 4]) -> Vec<EdgeUse> {
+fn ring(s: &mut Shell, corners: [[f64; 2]; 4]) -> Vec<EdgeUse> {
     let first = s.edges.len();
     let at = |q: [f64; 2]| [100.0 * q[0], 200.0 * q[1], 50.0 * q[0] * q[0]];
     let mut uses = Vec::new();
@@ -33,8 +33,8 @@ fn ring(s: &mut Sheet, corners: [[f64; 2]; 4]) -> Vec<EdgeUse> {
         let mut middle = at([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
         middle[2] = 50.0 * a[0] * b[0];
         s.vertices.push(Vec3::from(at(a)));
-        let curve = SheetCurve::Spline(Curve { knots: knots(2), control: vec![at(a), middle, at(b)] });
-        s.edges.push(SheetEdge { start: first + i, end: first + (i + 1) % 4, curve });
+        let curve = ShellCurve::Spline(Curve { knots: knots(2), control: vec![at(a), middle, at(b)] });
+        s.edges.push(ShellEdge { start: first + i, end: first + (i + 1) % 4, curve });
         let trim = Curve::new(1, vec![0., 0., 1., 1.], vec![a, b]).ok();
         uses.push(EdgeUse { edge: first + i, forward: true, trim });
     }
@@ -44,12 +44,12 @@ fn ring(s: &mut Sheet, corners: [[f64; 2]; 4]) -> Vec<EdgeUse> {
 #[test]
 fn a_trimmed_panel_keeps_its_numbers() {
     let surface = parabola();
-    let mut s = Sheet { name: "A-01 'Bügel'".into(), ..Sheet::default() };
+    let mut s = Shell { name: "A-01 'Bügel'".into(), ..Shell::default() };
     let outer = ring(&mut s, [[0., 0.], [1., 0.], [1., 1.], [0., 1.]]);
     let hole = ring(&mut s, [[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]);
-    let carrier = SheetSurface::Spline { surface: surface.clone(), form: SurfaceForm::Extrusion };
-    s.faces.push(SheetFace { name: String::new(), surface: carrier, reversed: false, loops: vec![outer, hole] });
-    let m = model(&write::sheets(&header(), &[s.clone()]).expect("written"));
+    let extrusion = ShellSurface::Spline { surface: surface.clone(), form: SurfaceForm::Extrusion };
+    s.faces.push(ShellFace { name: String::new(), surface: extrusion, reversed: false, loops: vec![outer, hole] });
+    let m = model(&write::shells(&header(), &[s.clone()]).expect("written"));
     assert_eq!((m.faces.len(), m.skipped.len(), m.unit.as_str()), (1, 0, "millimetre"));
     let f = &m.faces[0];
     assert_eq!((f.name.as_str(), f.part.as_str(), f.reversed), ("A-01 'Bügel'", "Panels", false));
@@ -62,7 +62,7 @@ fn a_trimmed_panel_keeps_its_numbers() {
         l.reverse();
         l.iter_mut().for_each(|u| u.forward = false);
     }
-    let turned = model(&write::sheets(&header(), &[s]).expect("written"));
+    let turned = model(&write::shells(&header(), &[s]).expect("written"));
     assert!(near(area(&turned.faces), area(&m.faces)));
     assert!((normal(f) + normal(&turned.faces[0])).norm() < 1e-12);
 }
@@ -85,7 +85,7 @@ fn pipe(radius: f64, height: f64, slit: f64) -> Surface {
 fn a_pipe_that_closes_has_one_seam() {
     let wanted = std::f64::consts::TAU * 50.0 * 80.0;
     for (slit, edges, vertices) in [(0.0, 3, 2), (1e-10, 4, 4), (1e-5, 4, 4)] {
-        let mut s = Sheet::untrimmed("pipe", &pipe(50.0, 80.0, slit));
+        let mut s = Shell::untrimmed("pipe", &pipe(50.0, 80.0, slit));
         // Straight curves in the parameter plane, then such as waver by less than the program sees.
         for hair in [0.0, 1e-8] {
             for (e, u) in [(1, 4.0), (3, 0.0)] {
@@ -97,7 +97,7 @@ fn a_pipe_that_closes_has_one_seam() {
             let uses = &joined.faces[0].loops[0];
             assert_eq!(uses[1].edge == uses[3].edge, edges == 3, "{slit:e} {hair:e}");
             assert_ne!(uses[1].forward, uses[3].forward);
-            let m = model(&write::sheets(&header(), &[s.clone()]).expect("written"));
+            let m = model(&write::shells(&header(), &[s.clone()]).expect("written"));
             assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
             assert!((area(&m.faces) / wanted - 1.0).abs() < 1e-4, "{slit:e} {hair:e} {}", area(&m.faces));
         }
@@ -109,7 +109,7 @@ fn a_pipe_that_closes_has_one_seam() {
 fn a_pipe_slit_along_one_ruling() {
     let (radius, height) = (50.0, 80.0);
     let pipe = pipe(radius, height, 1e-5);
-    let m = model(&write::sheets(&header(), &[Sheet::untrimmed("pipe", &pipe)]).expect("written"));
+    let m = model(&write::shells(&header(), &[Shell::untrimmed("pipe", &pipe)]).expect("written"));
     assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
     assert!((area(&m.faces) / (std::f64::consts::TAU * radius * height) - 1.0).abs() < 1e-4, "{}", area(&m.faces));
     assert!(crate::certify::trims::trim_proof(&m.faces[0], 1e-6).bound().value() < 1e-2);
@@ -124,7 +124,7 @@ fn a_strip_that_ends_in_a_point_and_a_plane_one() {
         weights.extend([w, w]);
     }
     let cone = Surface::new(knots(2), knots(1), &points, Some(&weights)).expect("cone");
-    let mut s = Sheet::untrimmed("cone", &cone);
+    let mut s = Shell::untrimmed("cone", &cone);
     // The side v = 0 is the apex: no edge, one vertex.
     s.faces[0].loops[0].retain(|u| u.edge != 0);
     s.faces[0].loops[0].iter_mut().for_each(|u| u.edge -= 1);
@@ -132,18 +132,18 @@ fn a_strip_that_ends_in_a_point_and_a_plane_one() {
     s.edges.iter_mut().flat_map(|e| [&mut e.start, &mut e.end]).filter(|v| **v == 1).for_each(|v| *v = 0);
     let frame = Frame { origin: Vec3::new(10., 0., 200.), x: Vec3::x(), y: Vec3::y(), z: Vec3::z() };
     let corners = [(0., 0.), (30., 0.), (30., 20.), (5., 25.)];
-    let plane = Sheet {
+    let plane = Shell {
         name: "plane".into(),
         vertices: corners.iter().map(|c| frame.to_world(&Vec3::new(c.0, c.1, 0.))).collect(),
-        edges: (0..4).map(|i| SheetEdge { start: i, end: (i + 1) % 4, curve: SheetCurve::Line }).collect(),
-        faces: vec![SheetFace {
+        edges: (0..4).map(|i| ShellEdge { start: i, end: (i + 1) % 4, curve: ShellCurve::Line }).collect(),
+        faces: vec![ShellFace {
             name: String::new(),
-            surface: SheetSurface::Plane(frame),
+            surface: ShellSurface::Plane(frame),
             reversed: false,
             loops: vec![(0..4).map(|edge| EdgeUse { edge, forward: true, trim: None }).collect()],
         }],
     };
-    let m = model(&write::sheets(&header(), &[s, plane]).expect("written"));
+    let m = model(&write::shells(&header(), &[s, plane]).expect("written"));
     assert_eq!((m.faces.len(), m.skipped.len()), (2, 0));
     let lateral = 0.25 * std::f64::consts::PI * 50.0 * 50f64.hypot(100.0);
     assert!((area(&m.faces[..1]) / lateral - 1.0).abs() < 1e-5);
@@ -152,16 +152,16 @@ fn a_strip_that_ends_in_a_point_and_a_plane_one() {
 
 #[test]
 fn what_cannot_be_written_is_an_error() {
-    let mut s = Sheet::untrimmed("A", &parabola());
+    let mut s = Shell::untrimmed("A", &parabola());
     s.faces[0].loops[0][1].edge = 99;
-    let error = write::sheets(&header(), &[s.clone()]).expect_err("refused");
+    let error = write::shells(&header(), &[s.clone()]).expect_err("refused");
     assert!(error.to_string().contains("no edge 99"), "{error}");
-    s = Sheet::untrimmed("A", &parabola());
-    s.faces[0].surface = SheetSurface::Cylinder { frame: Frame::world(), radius: 1.0 };
-    let error = write::sheets(&header(), &[s.clone()]).expect_err("refused");
+    s = Shell::untrimmed("A", &parabola());
+    s.faces[0].surface = ShellSurface::Cylinder { frame: Frame::world(), radius: 1.0 };
+    let error = write::shells(&header(), &[s.clone()]).expect_err("refused");
     assert!(error.to_string().contains("cylinder"), "{error}");
-    s = Sheet::untrimmed("A", &parabola());
+    s = Shell::untrimmed("A", &parabola());
     s.edges[0].end = 77;
-    assert!(write::sheets(&header(), &[s]).is_err());
-    assert!(read(&write::sheets(&header(), &[]).expect("an archive")).is_err());
+    assert!(write::shells(&header(), &[s]).is_err());
+    assert!(read(&write::shells(&header(), &[]).expect("an archive")).is_err());
 }

@@ -1,8 +1,8 @@
 //! Edges that close: vertices and edges that are one in space are made one, as the format wants them.
 
-use super::trims::{along, domain, parameter_line, WEST};
+use super::trims::{domain, edge_trim, parameter_line, WEST};
 use crate::geom::Vec3;
-use crate::io::step::write::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetSurface};
+use crate::io::step::write::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellSurface};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
@@ -14,8 +14,8 @@ const SAME_SHARE: f64 = 2.2e-13;
 /// are written.
 const SEAM_GAP: f64 = 1e-6;
 
-/// The sheet with one vertex where closed edges begin and end.
-pub(super) fn closed(s: &Sheet) -> Sheet {
+/// The shell with one vertex where closed edges begin and end.
+pub(super) fn closed(s: &Shell) -> Shell {
     let mut same = alias(s);
     for e in &s.edges {
         let (Some(p), Some(q)) = (s.vertices.get(e.start), s.vertices.get(e.end)) else { continue };
@@ -28,7 +28,7 @@ pub(super) fn closed(s: &Sheet) -> Sheet {
 }
 
 /// The vertices of edges, each for itself.
-fn alias(s: &Sheet) -> BTreeMap<usize, usize> {
+fn alias(s: &Shell) -> BTreeMap<usize, usize> {
     s.edges.iter().flat_map(|e| [(e.start, e.start), (e.end, e.end)]).collect()
 }
 
@@ -38,8 +38,8 @@ fn merge(same: &mut BTreeMap<usize, usize>, a: usize, b: usize) {
     same.values_mut().filter(|v| **v == a.max(b)).for_each(|v| *v = a.min(b));
 }
 
-/// The sheet with the vertices that its edges have, under the numbers of those that are the same.
-fn compact(mut s: Sheet, same: &BTreeMap<usize, usize>) -> Sheet {
+/// The shell with the vertices that its edges have, under the numbers of those that are the same.
+fn compact(mut s: Shell, same: &BTreeMap<usize, usize>) -> Shell {
     let used: BTreeSet<usize> = s.edges.iter().flat_map(|e| [same[&e.start], same[&e.end]]).collect();
     let number: BTreeMap<usize, usize> = used.iter().enumerate().map(|(new, &old)| (old, new)).collect();
     // Numbers that are out of range stay so, and are an error of the writer's.
@@ -51,17 +51,17 @@ fn compact(mut s: Sheet, same: &BTreeMap<usize, usize>) -> Sheet {
     s
 }
 
-/// The sheet with one edge wherever a face closes: what lay on both sides of its surface's domain is used twice. Sides whose
+/// The shell with one edge wherever a face closes: what lay on both sides of its surface's domain is used twice. Sides whose
 /// other edges end apart for the program stay two, as these could then not be closed.
 ///
 /// # Errors
 /// Those of the curves in the parameter plane.
-pub(super) fn joined(s: &Sheet) -> io::Result<Sheet> {
+pub(super) fn joined(s: &Shell) -> io::Result<Shell> {
     let (mut out, mut same_vertex) = (s.clone(), alias(s));
     let mut count: BTreeMap<usize, usize> = BTreeMap::new();
     s.faces.iter().flat_map(|f| f.loops.iter().flatten()).for_each(|u| *count.entry(u.edge).or_default() += 1);
     let mut lost = BTreeSet::new();
-    for (k, f) in s.faces.iter().enumerate().filter(|(_, f)| matches!(f.surface, SheetSurface::Spline { .. })) {
+    for (k, f) in s.faces.iter().enumerate().filter(|(_, f)| matches!(f.surface, ShellSurface::Spline { .. })) {
         let ends = domain(s, f)?;
         let mut sides = Vec::new();
         for (l, i, u) in f.loops.iter().enumerate().flat_map(|(l, x)| x.iter().enumerate().map(move |(i, u)| (l, i, u)))
@@ -69,7 +69,7 @@ pub(super) fn joined(s: &Sheet) -> io::Result<Sheet> {
             if count.get(&u.edge) != Some(&1) {
                 continue;
             }
-            let curve = along(s, f, u)?;
+            let curve = edge_trim(s, f, u)?;
             let side = parameter_line(&ends, &curve);
             if side >= WEST {
                 sides.push((side, l, i, curve));
@@ -98,20 +98,20 @@ pub(super) fn joined(s: &Sheet) -> io::Result<Sheet> {
 }
 
 /// The vertices of two edges that become one; `same` says that these run the same way.
-fn ends_of(s: &Sheet, a: usize, b: usize, same: bool) -> [[usize; 2]; 2] {
+fn ends_of(s: &Shell, a: usize, b: usize, same: bool) -> [[usize; 2]; 2] {
     let (a, b) = (&s.edges[a], &s.edges[b]);
     let [start, end] = if same { [b.start, b.end] } else { [b.end, b.start] };
     [[a.start, start], [a.end, end]]
 }
 
 /// Whether an edge whose ends are apart for the program would begin and end in one vertex.
-fn opens(s: &Sheet, a: usize, b: usize, same: bool) -> bool {
+fn opens(s: &Shell, a: usize, b: usize, same: bool) -> bool {
     let pairs = ends_of(s, a, b, same);
     s.edges.iter().any(|e| e.start != e.end && pairs.iter().any(|p| *p == [e.start, e.end] || *p == [e.end, e.start]))
 }
 
 /// Whether two edges are one in space, and if so, whether they run the same way.
-fn direction(s: &Sheet, a: usize, b: usize) -> Option<bool> {
+fn direction(s: &Shell, a: usize, b: usize) -> Option<bool> {
     let [a, b] = [a, b].map(|e| s.edges.get(e));
     let (a, b) = (a?, b?);
     let is = |turned: bool| {
@@ -124,21 +124,21 @@ fn direction(s: &Sheet, a: usize, b: usize) -> Option<bool> {
 }
 
 /// The point of an edge at a share of its parameters.
-fn point(s: &Sheet, e: &SheetEdge, t: f64) -> Option<Vec3> {
+fn point(s: &Shell, e: &ShellEdge, t: f64) -> Option<Vec3> {
     let at = |(a, b): (f64, f64)| a + t * (b - a);
     match &e.curve {
-        SheetCurve::Line => Some(s.vertices.get(e.start)?.lerp(s.vertices.get(e.end)?, t)),
-        SheetCurve::Spline(c) => Some(Vec3::from(c.point(at(c.domain())))),
-        SheetCurve::Rational(c) => {
+        ShellCurve::Line => Some(s.vertices.get(e.start)?.lerp(s.vertices.get(e.end)?, t)),
+        ShellCurve::Spline(c) => Some(Vec3::from(c.point(at(c.domain())))),
+        ShellCurve::Rational(c) => {
             let h = c.point(at(c.domain()));
             Some(Vec3::new(h[0], h[1], h[2]) / h[3])
         }
-        SheetCurve::Circle { .. } => None,
+        ShellCurve::Circle { .. } => None,
     }
 }
 
-/// The sheet without some of its edges, which nothing uses.
-fn without(mut s: Sheet, lost: &BTreeSet<usize>) -> Sheet {
+/// The shell without some of its edges, which nothing uses.
+fn without(mut s: Shell, lost: &BTreeSet<usize>) -> Shell {
     let number = |e: usize| e - lost.range(..e).count();
     for u in s.faces.iter_mut().flat_map(|f| f.loops.iter_mut().flatten()) {
         u.edge = number(u.edge);

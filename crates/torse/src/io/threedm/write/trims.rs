@@ -1,7 +1,7 @@
-//! The trims of a sheet: its edges in the parameter planes of its surfaces.
+//! The trims of a shell: its edges in the parameter planes of its surfaces.
 
 use crate::geom::{Frame, Vec3};
-use crate::io::step::write::{EdgeUse, Sheet, SheetCurve, SheetFace, SheetSurface};
+use crate::io::step::write::{EdgeUse, Shell, ShellCurve, ShellFace, ShellSurface};
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use std::io;
@@ -30,13 +30,13 @@ pub(super) struct Trim {
     pub in_loop: usize,
 }
 
-/// An error that names the sheet.
-pub(super) fn invalid(s: &Sheet, words: impl std::fmt::Display) -> io::Error {
+/// An error that names the shell.
+pub(super) fn invalid(s: &Shell, words: impl std::fmt::Display) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, format!("sheet {:?} {words}", s.name))
 }
 
 /// The trims of a loop, run with the material on the left in the parameter plane.
-pub(super) fn trims_of(s: &Sheet, f: &SheetFace, uses: &[EdgeUse], in_loop: usize) -> io::Result<Vec<Trim>> {
+pub(super) fn trims_of(s: &Shell, f: &ShellFace, uses: &[EdgeUse], in_loop: usize) -> io::Result<Vec<Trim>> {
     // Loops run about the normal of the face.
     let turned: Vec<(&EdgeUse, bool)> = match f.reversed {
         true => uses.iter().rev().map(|u| (u, !u.forward)).collect(),
@@ -46,7 +46,7 @@ pub(super) fn trims_of(s: &Sheet, f: &SheetFace, uses: &[EdgeUse], in_loop: usiz
     let mut out: Vec<Trim> = Vec::with_capacity(turned.len());
     for (u, forward) in turned {
         let e = s.edges.get(u.edge).ok_or_else(|| invalid(s, format!("has no edge {}", u.edge)))?;
-        let along = along(s, f, u)?;
+        let along = edge_trim(s, f, u)?;
         let (curve, vertices) = if forward { (along, [e.start, e.end]) } else { (along.reversed(), [e.end, e.start]) };
         let side = parameter_line(&ends, &curve);
         let curve = straightened(curve, side);
@@ -57,7 +57,7 @@ pub(super) fn trims_of(s: &Sheet, f: &SheetFace, uses: &[EdgeUse], in_loop: usiz
 }
 
 /// The image of an edge in the parameter plane, in the direction of the edge.
-pub(super) fn along(s: &Sheet, f: &SheetFace, u: &EdgeUse) -> io::Result<Curve<2>> {
+pub(super) fn edge_trim(s: &Shell, f: &ShellFace, u: &EdgeUse) -> io::Result<Curve<2>> {
     match &u.trim {
         Some(c) => Ok(c.clone()),
         None => projected(s, f, u),
@@ -88,13 +88,13 @@ fn with_points(ends: &[[f64; 2]; 2], trims: Vec<Trim>) -> Option<Vec<Trim>> {
 }
 
 /// The domain of a face's surface in both parameters: that of a spline, or the extent of the edges in a plane.
-pub(super) fn domain(s: &Sheet, f: &SheetFace) -> io::Result<[[f64; 2]; 2]> {
+pub(super) fn domain(s: &Shell, f: &ShellFace) -> io::Result<[[f64; 2]; 2]> {
     match &f.surface {
-        SheetSurface::Spline { surface, .. } => {
+        ShellSurface::Spline { surface, .. } => {
             let ((u0, u1), (v0, v1)) = surface.domain();
             Ok([[u0, u1], [v0, v1]])
         }
-        SheetSurface::Plane(frame) => {
+        ShellSurface::Plane(frame) => {
             let all = s.vertices.iter().copied().chain(control_points(s));
             let b = crate::geom::BBox::of(&all.map(|p| frame.to_local(&p)).collect::<Vec<_>>());
             let pad = MARGIN * b.diagonal();
@@ -148,7 +148,7 @@ fn straightened(mut c: Curve<2>, side: i32) -> Curve<2> {
 
 /// The image of an edge in the parameter plane where none is given: exact in a plane; on a spline the line between the
 /// corners that it joins.
-fn projected(s: &Sheet, f: &SheetFace, u: &EdgeUse) -> io::Result<Curve<2>> {
+fn projected(s: &Shell, f: &ShellFace, u: &EdgeUse) -> io::Result<Curve<2>> {
     let e = &s.edges[u.edge];
     let ends = [e.start, e.end].map(|v| s.vertices.get(v).copied());
     let [Some(p), Some(q)] = ends else { return Err(invalid(s, "lacks a vertex")) };
@@ -158,12 +158,12 @@ fn projected(s: &Sheet, f: &SheetFace, u: &EdgeUse) -> io::Result<Curve<2>> {
     };
     let line = |a: [f64; 2], b: [f64; 2]| Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![a, b]);
     let found = match (&f.surface, &e.curve) {
-        (SheetSurface::Plane(frame), SheetCurve::Line) => line(flat(frame, &p), flat(frame, &q)).ok(),
-        (SheetSurface::Plane(frame), SheetCurve::Spline(c)) => {
+        (ShellSurface::Plane(frame), ShellCurve::Line) => line(flat(frame, &p), flat(frame, &q)).ok(),
+        (ShellSurface::Plane(frame), ShellCurve::Spline(c)) => {
             let control = c.control.iter().map(|p| flat(frame, &Vec3::from(*p))).collect();
             Some(Curve { knots: c.knots.clone(), control })
         }
-        (SheetSurface::Spline { surface, .. }, _) => {
+        (ShellSurface::Spline { surface, .. }, _) => {
             let corners = corners(surface);
             let size = surface.bbox().diagonal();
             // Sides of the domain between corners; one that is a point has no edge.
@@ -185,10 +185,10 @@ fn corners(surface: &Surface) -> [([f64; 2], Vec3); 4] {
 }
 
 /// Control points of the edges, which enclose these.
-fn control_points(s: &Sheet) -> impl Iterator<Item = Vec3> + '_ {
+fn control_points(s: &Shell) -> impl Iterator<Item = Vec3> + '_ {
     s.edges.iter().flat_map(|e| match &e.curve {
-        SheetCurve::Spline(c) => c.control.iter().map(|p| Vec3::from(*p)).collect(),
-        SheetCurve::Rational(c) => c.control.iter().map(|h| Vec3::new(h[0], h[1], h[2]) / h[3]).collect(),
+        ShellCurve::Spline(c) => c.control.iter().map(|p| Vec3::from(*p)).collect(),
+        ShellCurve::Rational(c) => c.control.iter().map(|h| Vec3::new(h[0], h[1], h[2]) / h[3]).collect(),
         _ => Vec::new(),
     })
 }

@@ -134,15 +134,15 @@ pub(super) fn unlaid(reason: &Unlaid) -> String {
                 number(*strain_estimate)
             )
         }
-        Unlaid::Feature { carrier, thickness } => format!(
-            "the {carrier} is neither a skin nor an edge of the sheet of {}: a feature formed or milled into it, or \
+        Unlaid::Feature { surface, thickness } => format!(
+            "the {surface} is neither a skin nor an edge of the sheet of {}: a feature formed or milled into it, or \
              a bend of a radius below the thickness",
             length(*thickness)
         ),
         Unlaid::Narrow { tolerance } => {
             format!("nothing is left of its outline within the tolerance of {tolerance} mm")
         }
-        Unlaid::Face { carrier } => format!("the {carrier} could not be laid flat"),
+        Unlaid::Face { surface } => format!("the {surface} could not be laid flat"),
         Unlaid::Group(1, reason) => unlaid(reason),
         Unlaid::Group(count, reason) => format!("{} ({count} faces that hang together)", unlaid(reason)),
         Unlaid::Panel => "it could not be laid flat".into(),

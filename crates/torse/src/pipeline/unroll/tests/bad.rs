@@ -51,11 +51,11 @@ fn files(panels: Vec<Panel>) -> [(&'static str, Vec<u8>); 3] {
     let patchwork = Patchwork { panels, ..Patchwork::default() };
     let mut bytes = Vec::new();
     step::panels(&mut bytes, &header, &patchwork, &[]).expect("a file");
-    let sheets = sewn::sheets(&patchwork, &[]);
+    let sheets = sewn::shells(&patchwork, &[]);
     [
         ("STEP", bytes),
         ("IGES", iges::write::panels(&header, &patchwork, &[])),
-        ("3DM", threedm::write::sheets(&header, &sheets).expect("a file")),
+        ("3DM", threedm::write::shells(&header, &sheets).expect("a file")),
     ]
 }
 
@@ -187,7 +187,7 @@ fn a_curved_face_with_a_sharp_edge_is_covered_once() {
     let surface = Surface::new(across.expect("knots"), along.expect("knots"), &points, None).expect("a surface");
     let header = Header { name: "roof".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
     let mut bytes = Vec::new();
-    step::sheets(&mut bytes, &header, &[step::Sheet::untrimmed("roof", &surface)]).expect("a file");
+    step::shells(&mut bytes, &header, &[step::Shell::untrimmed("roof", &surface)]).expect("a file");
     let model = crate::read(&bytes).expect("a model");
     assert!(model.faces.len() == 1 && model.faces[0].boundary.is_some());
     let options = UnrollOptions { surfaces: true, approximate: Some(4.0), ..UnrollOptions::new(0.05) };

@@ -113,7 +113,7 @@ fn wave() -> Model {
     let surface = Surface::new(knots(3), knots(1), &points, None).expect("a surface");
     let header = Header { name: "wave".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
     let mut bytes = Vec::new();
-    step::sheets(&mut bytes, &header, &[step::Sheet::untrimmed("wave", &surface)]).expect("a file");
+    step::shells(&mut bytes, &header, &[step::Shell::untrimmed("wave", &surface)]).expect("a file");
     crate::read(&bytes).expect("a model")
 }
 

@@ -1,8 +1,8 @@
 //! Which surfaces are taken for developable, whatever file, unit and hand they come in.
 
-use crate::brep::carrier::{carrier, Carrier};
+use crate::brep::recognised_surface::{recognise, RecognisedSurface};
 use crate::geom::Vec3;
-use crate::io::step::write::{self as step, Header, Sheet};
+use crate::io::step::write::{self as step, Header, Shell};
 use crate::io::{cad, iges, threedm};
 use crate::patchwork::panel::Patchwork;
 use crate::spline::knots::Knots;
@@ -86,14 +86,14 @@ fn files(surface: &Surface) -> Vec<Written> {
             let global = text.replacen("2,2HMM,", &format!("{flags}{}", if unit == "m" { " " } else { "," }), 1);
             assert!(unit == "mm" || global != text);
             out.push((format!("IGES {unit} {hand}"), global.into_bytes()));
-            let sheets = [Sheet::untrimmed("A", &s)];
+            let sheets = [Shell::untrimmed("A", &s)];
             let mut bytes = Vec::new();
-            step::sheets(&mut bytes, &header, &sheets).expect("a file");
+            step::shells(&mut bytes, &header, &sheets).expect("a file");
             let text = String::from_utf8(bytes).expect("text");
             match unit {
                 "mm" => {
                     out.push((format!("STEP {unit} {hand}"), text.into_bytes()));
-                    out.push((format!("3DM {unit} {hand}"), threedm::write::sheets(&header, &sheets).expect("a file")));
+                    out.push((format!("3DM {unit} {hand}"), threedm::write::shells(&header, &sheets).expect("a file")));
                 }
                 "m" => {
                     assert!(text.contains("SI_UNIT(.MILLI.,.METRE.)"));
@@ -110,12 +110,12 @@ fn files(surface: &Surface) -> Vec<Written> {
 }
 
 /// What the only face of a file lies on.
-fn found((name, bytes): &Written) -> Carrier {
+fn found((name, bytes): &Written) -> RecognisedSurface {
     let model = cad::read(bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert_eq!((model.faces.len(), model.skipped.len()), (1, 0), "{name}");
     let size = model.faces[0].surface.bbox().diagonal();
     assert!((50.0..500.0).contains(&size), "{name}: {size} mm");
-    carrier(&model.faces[0])
+    recognise(&model.faces[0])
 }
 
 #[test]
@@ -123,11 +123,11 @@ fn every_kind_is_known_in_every_format_unit_and_hand() {
     for (kind, surface) in specimens() {
         for file in files(&surface) {
             match found(&file) {
-                Carrier::Curved(defect) => {
+                RecognisedSurface::Curved(defect) => {
                     assert_eq!(kind, "helicoid", "{}", file.0);
                     assert!(defect.twist_estimate > 0.1, "{}: {defect:?}", file.0);
                 }
-                carrier => assert_eq!(carrier.name(), kind, "{}", file.0),
+                recognised => assert_eq!(recognised.name(), kind, "{}", file.0),
             }
         }
     }
@@ -140,8 +140,8 @@ fn the_least_twist_is_seen_and_told_as_it_is() {
         let twists: Vec<f64> = files(&twisted(angle))
             .iter()
             .map(|file| match found(file) {
-                Carrier::Curved(defect) => defect.twist_estimate,
-                carrier => panic!("{}: twisted by {angle} and taken for a {}", file.0, carrier.name()),
+                RecognisedSurface::Curved(defect) => defect.twist_estimate,
+                recognised => panic!("{}: twisted by {angle} and taken for a {}", file.0, recognised.name()),
             })
             .collect();
         for (k, twist) in twists.iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::develop::map::Development;
-use crate::develop::outline::FlatRun;
+use crate::develop::outline::FlatCoedge;
 use crate::develop::unfold::specimens::round_surface;
 use crate::geom::Vec3;
 use crate::tessellate::panel::panel_mesh;
@@ -23,7 +23,7 @@ fn area(answer: &Answer) -> f64 {
     let of = |panel: &crate::patchwork::panel::Panel| {
         let patch = &panel.strip.patch;
         let map = Development::new(patch, 1.0).expect("a map");
-        let runs = panel.loops().iter().flatten().map(|r| FlatRun::new(&map, patch, r).area_in_space(patch));
+        let runs = panel.loops().iter().flatten().map(|r| FlatCoedge::new(&map, patch, r).area_in_space(patch));
         runs.sum::<f64>().abs()
     };
     answer.patchwork.panels.iter().map(of).sum()

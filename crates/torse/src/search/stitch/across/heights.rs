@@ -86,7 +86,7 @@ pub(super) fn counts(of: &Common, grounds: &[Ground], torses: &Torses) -> Option
     let mut near = [0, 1].map(|k: usize| torses.near((of.faces[k], of.chains[k].label), &places[0][0]));
     let (mut out, mut sums) = (Vec::with_capacity(places.len()), [0.0_f64; 2]);
     for ([x, _], [n, m]) in places.iter().zip(&normals) {
-        let height = |near: &mut super::course::Near, n: &Vec3| near.height(x, n);
+        let height = |near: &mut super::intersection_curve::Near, n: &Vec3| near.height(x, n);
         let [first, second] = &mut near;
         let product = height(first.as_mut()?, n)? * height(second.as_mut()?, m)?;
         sums[usize::from(product < 0.0)] += product.abs();

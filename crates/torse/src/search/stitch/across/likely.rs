@@ -4,7 +4,7 @@
 //! ends now as `√(D² + δ²)`, for whole triangles (docs/algorithms/certificate.md). What that is at vertices and middles of the
 //! triangles along a border is no more than what it finds.
 
-use super::course::Near;
+use super::intersection_curve::Near;
 use super::places::Ground;
 use crate::geom::Vec3;
 use crate::patchwork::partition::centroid;

@@ -2,12 +2,12 @@
 //! model, and both end in that curve.
 //!
 //! *Method*: borders of faces that lie along each other are cut at the same places; panels on both sides are ended in the curve
-//! in which their torses intersect (`course`), in points that all of them have in common where several end. The panels that
+//! in which their torses intersect (`intersection_curve`), in points that all of them have in common where several end. The panels that
 //! this changes are built anew and proven again. What is refused is left as it was, with what hangs on it, until all of the
 //! rest is proven. Nothing is judged here.
 
-mod course;
 mod heights;
+mod intersection_curve;
 mod likely;
 mod places;
 mod vertices;
@@ -23,8 +23,8 @@ use crate::search::joint::Meeting;
 use crate::search::stitch::attempts::unproven;
 use crate::search::stitch::seams::{kept, SharedSeam};
 use crate::torse::form::Torse;
-use course::{course, ended_anew, parts, Course, Model};
 use heights::{corner_counts, counts, meetings};
+use intersection_curve::{ended_anew, intersection_curve, parts, IntersectionCurve, Model};
 use likely::{at_least, Ending};
 use places::{common, cut, shares_along, Common, Ground};
 use rayon::prelude::*;
@@ -114,8 +114,8 @@ struct Attempt<'a> {
     torses: Torses<'a>,
 }
 
-/// A common edge: its course, the edge for both sides, and how far its panels are at least from their faces then.
-type Edge = (Course, [SharedSeam; 2], f64);
+/// A common edge: its curve, the edge for both sides, and how far its panels are at least from their faces then.
+type Edge = (IntersectionCurve, [SharedSeam; 2], f64);
 
 /// What changes on a face.
 #[derive(Default)]
@@ -218,10 +218,10 @@ impl Attempt<'_> {
         if !bad.is_empty() {
             return Err(bad);
         }
-        for (&e, (course, sides, _)) in wanted.iter().zip(found.into_iter().flatten()) {
+        for (&e, (found, sides, _)) in wanted.iter().zip(found.into_iter().flatten()) {
             for (k, side) in sides.into_iter().enumerate() {
                 let change = &mut changes[self.all[e].faces[k]];
-                change.uses(self.all[e].chains[k].label, course.rulings[k]);
+                change.uses(self.all[e].chains[k].label, found.rulings[k]);
                 change.edges.push(side);
             }
         }
@@ -238,32 +238,32 @@ impl Attempt<'_> {
         let ends = [corner(a.vertices[0])?, corner(a.vertices[edges])?];
         let near = |k: usize| self.torses.near((of.faces[k], of.chains[k].label), &points[0]);
         let beside = Model { points: &points, parts, ends, reach: REACH * self.tolerance };
-        let course = course([near(0)?, near(1)?], &beside)?;
+        let found = intersection_curve([near(0)?, near(1)?], &beside)?;
         let mut others = self.grounds[of.faces[1]].places(&b.vertices, 1);
         if of.turned {
             others.reverse();
         }
         let parameter = |share: f64| {
-            let i = (share.floor() as usize).min(course.at.len() - 2);
-            course.at[i] + (course.at[i + 1] - course.at[i]) * (share - i as f64)
+            let i = (share.floor() as usize).min(found.at.len() - 2);
+            found.at[i] + (found.at[i + 1] - found.at[i]) * (share - i as f64)
         };
         let mut second: Vec<f64> = shares_along(&points, &others).into_iter().map(parameter).collect();
         if second.windows(2).any(|w| w[0] >= w[1]) {
             return None;
         }
-        let mut curve = course.curve.clone();
+        let mut curve = found.curve.clone();
         if of.turned {
             curve = curve.reversed();
             second = second.iter().rev().map(|s| 1.0 - s).collect();
         }
-        let first = course.at.iter().copied().step_by(parts).collect();
+        let first = found.at.iter().copied().step_by(parts).collect();
         let side = |chain: &TrimChain, edge, parameters| SharedSeam {
             chain: chain.chain,
             labels: [chain.label; 2],
             edge,
             parameters,
         };
-        let sides = [side(a, course.curve.clone(), first), side(b, curve, second)];
+        let sides = [side(a, found.curve.clone(), first), side(b, curve, second)];
         let mut most = 0.0;
         for (k, SharedSeam { edge, parameters, .. }) in sides.iter().enumerate() {
             let TrimChain { vertices, label, .. } = &of.chains[k];
@@ -272,7 +272,7 @@ impl Attempt<'_> {
             let first = self.torses.near((of.faces[k], *label), &ground.places(&vertices[..1], 1)[0])?;
             most = f64::max(most, at_least(ground, &ending, &first, self.tolerance));
         }
-        Some((course, sides, most))
+        Some((found, sides, most))
     }
 
     /// Seams inside faces that end in corners of common edges, ended there.

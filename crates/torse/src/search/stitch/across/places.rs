@@ -81,7 +81,7 @@ impl Ground<'_> {
 }
 
 /// A border as a polyline in space.
-struct Course {
+struct BorderPolyline {
     face: usize,
     /// Body of the face: what only touches another body is no edge of it.
     body: u32,
@@ -107,16 +107,16 @@ fn nearest(points: &[Vec3], x: &Vec3) -> (f64, usize, f64) {
 }
 
 /// Whether some place inside one of two borders, of a few, lies on the other.
-fn touch(a: &Course, b: &Course, reach: f64) -> bool {
+fn touch(a: &BorderPolyline, b: &BorderPolyline, reach: f64) -> bool {
     const PROBES: usize = 12;
-    let on = |a: &Course, b: &Course| {
+    let on = |a: &BorderPolyline, b: &BorderPolyline| {
         let last = a.points.len() - 1;
         (1..PROBES).any(|k| nearest(&b.points, &a.points[k * last / PROBES]).0 <= reach)
     };
     (0..3).all(|d| a.bbox.min[d] <= b.bbox.max[d] && b.bbox.min[d] <= a.bbox.max[d]) && (on(a, b) || on(b, a))
 }
 
-fn courses(grounds: &[Ground], reach: f64) -> Vec<Course> {
+fn border_polylines(grounds: &[Ground], reach: f64) -> Vec<BorderPolyline> {
     let of = |(face, ground): (usize, &Ground)| {
         let mut out = Vec::new();
         for chain in ground.borders().trim_chains() {
@@ -126,7 +126,7 @@ fn courses(grounds: &[Ground], reach: f64) -> Vec<Course> {
                 bbox.include(&p.add_scalar(reach));
                 bbox.include(&p.add_scalar(-reach));
             }
-            out.push(Course { face, body: ground.face.body, chain, points, bbox });
+            out.push(BorderPolyline { face, body: ground.face.body, chain, points, bbox });
         }
         out
     };
@@ -136,7 +136,7 @@ fn courses(grounds: &[Ground], reach: f64) -> Vec<Course> {
 /// Cuts the borders of faces at the ends of those of others along the same edge of the model.
 pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
     let reach = SAME * tolerance;
-    let all = courses(grounds, reach);
+    let all = border_polylines(grounds, reach);
     // Borders that close are cut somewhere: these places stay when others are cut in.
     for c in &all {
         let v = &c.chain.vertices;
@@ -144,7 +144,7 @@ pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
     }
     // By face and edge of its border, where it is to be cut.
     let mut wanted: BTreeMap<(usize, [u32; 2]), Vec<f64>> = BTreeMap::new();
-    let ends_on = |a: &Course, b: &Course| -> Vec<((usize, [u32; 2]), f64)> {
+    let ends_on = |a: &BorderPolyline, b: &BorderPolyline| -> Vec<((usize, [u32; 2]), f64)> {
         let ends = [a.points[0], a.points[a.points.len() - 1]];
         let found = ends.iter().filter_map(|x| {
             let (far, i, share) = nearest(&b.points, x);
@@ -204,17 +204,18 @@ pub(super) struct Common {
 /// Borders of faces that lie along each other from end to end, each with one partner.
 pub(super) fn common(grounds: &[Ground], tolerance: f64) -> Vec<Common> {
     let reach = SAME * tolerance;
-    let all = courses(grounds, reach);
+    let all = border_polylines(grounds, reach);
     let with_later = |i: usize| -> Vec<(usize, usize, bool)> {
         let a = &all[i];
-        let of = |(j, b): (usize, &Course)| {
-            let ends = |c: &Course| [c.points[0], c.points[c.points.len() - 1]];
+        let of = |(j, b): (usize, &BorderPolyline)| {
+            let ends = |c: &BorderPolyline| [c.points[0], c.points[c.points.len() - 1]];
             let ([p, q], [r, s]) = (ends(a), ends(b));
             let turned = (p - s).norm() + (q - r).norm() < (p - r).norm() + (q - s).norm();
             let [r, s] = if turned { [s, r] } else { [r, s] };
             let near = (p - r).norm() <= reach && (q - s).norm() <= reach;
             let long = a.chain.length > ONE_END * tolerance;
-            let along = |x: &Course, y: &Course| x.points.iter().all(|p| nearest(&y.points, p).0 <= reach);
+            let along =
+                |x: &BorderPolyline, y: &BorderPolyline| x.points.iter().all(|p| nearest(&y.points, p).0 <= reach);
             (b.face != a.face && b.body == a.body && near && long && along(a, b) && along(b, a))
                 .then_some((i, j, turned))
         };

@@ -1,6 +1,6 @@
 //! Points in which common edges of faces end: each is on all torses whose panels end there in common edges.
 
-use super::course::{common_point, Near, HARDLY};
+use super::intersection_curve::{common_point, Near, HARDLY};
 use super::places::{Common, Ground};
 use crate::geom::Vec3;
 use crate::patchwork::panel::Coedge;

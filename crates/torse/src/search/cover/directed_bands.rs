@@ -1,9 +1,9 @@
-//! Level functions whose bands follow what a user asks for, and rings (B2, B3): see `layout`.
+//! Strip potentials whose bands follow what a user asks for, and rings (B2, B3): see `layout`.
 
 use super::halve::axes;
-use super::layout::Course;
+use super::layout::DirectionField;
 use super::{Job, State};
-use crate::fit::level::strip_potential::{levels_along, Level, LevelOptions};
+use crate::fit::strip_potential::{directed_strip_potentials, StripPotential, StripPotentialOptions};
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
 use crate::spline::surface::Surface;
@@ -12,11 +12,11 @@ use crate::spline::surface::Surface;
 const STEEP: f64 = 0.1;
 
 /// Parameter direction of the part of `d` that is tangent to the surface; zero where that says nothing.
-fn pulled_back(surface: &Surface, uv: [f64; 2], course: &Course) -> [f64; 2] {
+fn pulled_back(surface: &Surface, uv: [f64; 2], directions: &DirectionField) -> [f64; 2] {
     let jet = surface.jet(uv[0], uv[1]);
     let normal = jet.normal();
     let area = normal.norm_squared();
-    let Some(d) = course.at(&jet.p, &(normal / area.sqrt())) else { return [0.0; 2] };
+    let Some(d) = directions.at(&jet.p, &(normal / area.sqrt())) else { return [0.0; 2] };
     let (a, b) = (d.dot(&jet.du), d.dot(&jet.dv));
     let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
     let along = [(g * a - f * b) / area, (e * b - f * a) / area];
@@ -29,18 +29,19 @@ fn pulled_back(surface: &Surface, uv: [f64; 2], course: &Course) -> [f64; 2] {
 }
 
 impl Job<'_> {
-    /// Level functions whose bands follow a course, from so many samples, with so many spans.
-    pub(super) fn levels_along(
+    /// Strip potentials whose bands follow a direction field, from so many samples, with so many spans.
+    pub(super) fn directed_strip_potentials(
         &self,
-        course: &Course,
+        directions: &DirectionField,
         state: &State,
         label: u32,
         (samples, spans): (usize, usize),
-    ) -> Vec<Level> {
+    ) -> Vec<StripPotential> {
         let forms = state.forms(label, samples);
-        let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, course)).collect();
-        let options = LevelOptions { spans, control: self.control.clone(), ..LevelOptions::default() };
-        levels_along(&forms, &along, &state.places(label), &options)
+        let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, directions)).collect();
+        let options =
+            StripPotentialOptions { spans, control: self.control.clone(), ..StripPotentialOptions::default() };
+        directed_strip_potentials(&forms, &along, &state.places(label), &options)
     }
 }
 

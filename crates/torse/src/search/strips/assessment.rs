@@ -31,7 +31,7 @@ pub(crate) struct Candidate<'a> {
 
 /// Bounds, claims and colours of strips.
 #[derive(Clone, Debug)]
-pub(crate) struct Judgement {
+pub(crate) struct Assessment {
     /// Greatest distance (mm) from the rails on the first and the second side; unknown for sides not asked for.
     pub off: [UpperBound; 2],
     /// Greatest twist, rad.
@@ -59,7 +59,7 @@ pub(crate) struct Judgement {
     pub most_twisted: Option<Witness>,
 }
 
-impl Judgement {
+impl Assessment {
     /// What is said of the whole, without the distances from rails.
     pub fn whole(&self) -> Vec<Claim> {
         let whole = Subject::Whole;
@@ -153,7 +153,7 @@ pub(crate) fn findings(strips: &[Candidate], limit: f64, control: &Control) -> V
 
 /// Judges strips; `sides` say what the distances from their rails are called, `limit` (rad) is the twist that counts as
 /// developable. The proof has its own clock: what was found is judged even when time is up.
-pub fn judge(strips: &[Candidate], sides: [What; 2], limit: f64) -> Judgement {
+pub fn assess(strips: &[Candidate], sides: [What; 2], limit: f64) -> Assessment {
     let found = findings(strips, limit, &Control::default());
     summed(&strips.iter().zip(&found).map(|(s, f)| (*s, f)).collect::<Vec<_>>(), sides, limit)
 }
@@ -169,10 +169,10 @@ fn field(strip: &Strip, found: &Found) -> PanelField {
 }
 
 /// Sums up what was found of strips: see [`judge`].
-pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Judgement {
+pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Assessment {
     let mut off: [Vec<UpperBound>; 2] = Default::default();
     let mut twists_shown = Vec::new();
-    let mut out = Judgement {
+    let mut out = Assessment {
         off: [UpperBound::UNKNOWN; 2],
         twist: UpperBound::UNKNOWN,
         measured: 0.0,

@@ -1,11 +1,11 @@
-//! A sheet as a polysurface.
+//! A shell as a polysurface.
 
 use super::super::bytes::ANONYMOUS;
 use super::body::Body;
 use super::seams;
 use super::trims::{domain, invalid, trims_of, Trim};
 use crate::geom::Vec3;
-use crate::io::step::write::{Sheet, SheetCurve, SheetFace, SheetSurface};
+use crate::io::step::write::{Shell, ShellCurve, ShellFace, ShellSurface};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -20,7 +20,7 @@ const MATED: i32 = 2;
 const SEAM: i32 = 3;
 
 /// Writes the data of a polysurface; `tolerance` (mm) is how near its parts meet.
-pub(super) fn write(out: &mut Body, s: &Sheet, tolerance: f64) -> io::Result<()> {
+pub(super) fn write(out: &mut Body, s: &Shell, tolerance: f64) -> io::Result<()> {
     let s = &seams::joined(&seams::closed(s))?;
     let (mut trims, mut loops) = (Vec::new(), Vec::new());
     for (k, f) in s.faces.iter().enumerate() {
@@ -97,7 +97,7 @@ fn listed(t: &mut Body, fill: impl FnOnce(&mut Body)) {
     fill(t);
 }
 
-fn vertices(out: &mut Body, s: &Sheet, tolerance: f64) {
+fn vertices(out: &mut Body, s: &Shell, tolerance: f64) {
     out.table(s.vertices.len(), |t| {
         for (k, p) in s.vertices.iter().enumerate() {
             t.int(k);
@@ -110,7 +110,7 @@ fn vertices(out: &mut Body, s: &Sheet, tolerance: f64) {
     });
 }
 
-fn edges(out: &mut Body, s: &Sheet, curves: &[([f64; 2], Body)], users: &[Vec<usize>], tolerance: f64) {
+fn edges(out: &mut Body, s: &Shell, curves: &[([f64; 2], Body)], users: &[Vec<usize>], tolerance: f64) {
     out.table(s.edges.len(), |t| {
         for (k, e) in s.edges.iter().enumerate() {
             t.int(k);
@@ -169,10 +169,10 @@ fn plane_curve(t: &mut Body, curve: &Curve<2>) {
 }
 
 /// The curve of an edge with its domain.
-fn space_curve(s: &Sheet, curve: &SheetCurve, (p, q): (&Vec3, &Vec3)) -> io::Result<([f64; 2], Body)> {
+fn space_curve(s: &Shell, curve: &ShellCurve, (p, q): (&Vec3, &Vec3)) -> io::Result<([f64; 2], Body)> {
     let mut out = Body::default();
     let domain = match curve {
-        SheetCurve::Line => {
+        ShellCurve::Line => {
             out.object(LINE_CURVE, |c| {
                 c.u8(0x10);
                 c.point(p);
@@ -182,31 +182,31 @@ fn space_curve(s: &Sheet, curve: &SheetCurve, (p, q): (&Vec3, &Vec3)) -> io::Res
             });
             (0.0, 1.0)
         }
-        SheetCurve::Spline(k) => {
+        ShellCurve::Spline(k) => {
             out.object(NURBS_CURVE, |c| {
                 spline_head(c, 3, false, &k.knots);
                 c.numbers(k.control.iter().flatten().copied());
             });
             k.domain()
         }
-        SheetCurve::Rational(k) => {
+        ShellCurve::Rational(k) => {
             out.object(NURBS_CURVE, |c| {
                 spline_head(c, 3, true, &k.knots);
                 c.numbers(k.control.iter().flatten().copied());
             });
             k.domain()
         }
-        SheetCurve::Circle { .. } => return Err(invalid(s, "has a circle as edge, which is not written")),
+        ShellCurve::Circle { .. } => return Err(invalid(s, "has a circle as edge, which is not written")),
     };
     Ok(([domain.0, domain.1], out))
 }
 
-fn surface(s: &Sheet, f: &SheetFace) -> io::Result<Body> {
+fn surface(s: &Shell, f: &ShellFace) -> io::Result<Body> {
     let domain = domain(s, f)?;
     let mut out = Body::default();
     match &f.surface {
-        SheetSurface::Spline { surface, .. } => out.object(NURBS_SURFACE, |c| spline_surface(c, surface)),
-        SheetSurface::Plane(frame) => out.object(PLANE_SURFACE, |c| {
+        ShellSurface::Spline { surface, .. } => out.object(NURBS_SURFACE, |c| spline_surface(c, surface)),
+        ShellSurface::Plane(frame) => out.object(PLANE_SURFACE, |c| {
             c.u8(0x11);
             for v in [&frame.origin, &frame.x, &frame.y, &frame.z, &frame.z] {
                 c.point(v);

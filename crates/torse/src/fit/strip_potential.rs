@@ -1,4 +1,4 @@
-//! The level function whose bands are the strips: shortest range under the eikonal condition in the metric |II|.
+//! The strip potential whose bands are the strips: shortest range under the eikonal condition in the metric |II|.
 //!
 //! *Method.* Strips are bands of width `4√ε` of a function φ with `|II⁻¹(dφ, dφ)| ≥ 1` (approximation
 //! specification B2–B3, after \[SE06\]); with `q = II(T, T)`, `T = ker dφ`, this reads `s q ≥ |det II|` with one sign
@@ -38,9 +38,9 @@ impl Forms {
     }
 }
 
-/// A level function and how good it is.
+/// A strip potential and how good it is.
 #[derive(Clone, Debug)]
-pub struct Level {
+pub struct StripPotential {
     /// φ in √mm: a band of width `4√ε` can be met within ε.
     pub field: Field,
     /// Sign of `II(T, T)` along the strips.
@@ -51,9 +51,9 @@ pub struct Level {
     pub merit: f64,
 }
 
-/// Knobs of [`level`].
+/// Knobs of [`strip_potential`].
 #[derive(Clone, Debug)]
-pub struct LevelOptions {
+pub struct StripPotentialOptions {
     /// Linear starts, evenly spread over the half circle; default 8.
     pub starts: usize,
     /// Starts that go on after their first program; default 2.
@@ -66,7 +66,7 @@ pub struct LevelOptions {
     pub control: Control,
 }
 
-impl Default for LevelOptions {
+impl Default for StripPotentialOptions {
     fn default() -> Self {
         Self { starts: 8, keep: 2, rounds: 10, spans: 2, control: Control::default() }
     }
@@ -104,21 +104,29 @@ struct Row {
     need: f64,
 }
 
-/// Best level function found over the samples of a region, for either sign; `None` if the region is too small or
-/// too flat to speak of strips. See [`levels`].
-pub fn level(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<Level> {
-    levels(samples, border, options).into_iter().next()
+/// Best strip potential found over the samples of a region, for either sign; `None` if the region is too small or
+/// too flat to speak of strips. See [`strip_potentials`].
+pub fn strip_potential(
+    samples: &[Forms],
+    border: &[[f64; 2]],
+    options: &StripPotentialOptions,
+) -> Option<StripPotential> {
+    strip_potentials(samples, border, options).into_iter().next()
 }
 
-/// Level functions over the samples of a region from different starts, for either sign, smallest merit first.
+/// Strip potentials over the samples of a region from different starts, for either sign, smallest merit first.
 ///
 /// `border` are further points of the region, such as its corners, that count for the range of φ only. Empty if the
 /// region is too small or too flat to speak of strips.
-pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Vec<Level> {
+pub fn strip_potentials(
+    samples: &[Forms],
+    border: &[[f64; 2]],
+    options: &StripPotentialOptions,
+) -> Vec<StripPotential> {
     let Some((problem, field, aspect)) = problem(samples, border, options) else { return Vec::new() };
     let starts: Vec<(f64, usize)> =
         [1.0, -1.0].into_iter().flat_map(|s| (0..options.starts).map(move |k| (s, k))).collect();
-    let mut first: Vec<Level> = starts
+    let mut first: Vec<StripPotential> = starts
         .par_iter()
         .filter_map(|&(sign, k)| {
             let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
@@ -134,7 +142,8 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
         .collect();
     first.sort_by(|a, b| a.merit.total_cmp(&b.merit));
     first.truncate(options.keep);
-    let mut found: Vec<Level> = first.into_par_iter().map(|start| problem.refined(start, options.rounds)).collect();
+    let mut found: Vec<StripPotential> =
+        first.into_par_iter().map(|start| problem.refined(start, options.rounds)).collect();
     found.sort_by(|a, b| a.merit.total_cmp(&b.merit));
     found
 }
@@ -159,7 +168,8 @@ pub(crate) fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightB
     // Divisions of the range, and the smallest share of the usual slope that counts: bands with inflections exist.
     const BINS: usize = 24;
     const LEAST: f64 = 0.15;
-    let Some((problem, mut field, _)) = problem(samples, &[], &LevelOptions { spans: 1, ..LevelOptions::default() })
+    let Some((problem, mut field, _)) =
+        problem(samples, &[], &StripPotentialOptions { spans: 1, ..StripPotentialOptions::default() })
     else {
         return StraightBands { range: f64::INFINITY, density: vec![1.0; BINS] };
     };
@@ -196,22 +206,22 @@ pub(crate) fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightB
     StraightBands { range: sum, density: need }
 }
 
-/// As [`levels`], for bands that run along given directions: `along[i]` is the one wanted at `samples[i]`, in
+/// As [`strip_potentials`], for bands that run along given directions: `along[i]` is the one wanted at `samples[i]`, in
 /// parameters; zero where there is none. Fields turn from it by at most [`TURN`], or by as much as the least-squares
 /// start already does.
-pub(crate) fn levels_along(
+pub(crate) fn directed_strip_potentials(
     samples: &[Forms],
     along: &[[f64; 2]],
     border: &[[f64; 2]],
-    options: &LevelOptions,
-) -> Vec<Level> {
+    options: &StripPotentialOptions,
+) -> Vec<StripPotential> {
     let Some((mut problem, field, _)) = problem(samples, border, options) else { return Vec::new() };
     let wanted: Vec<Wanted> =
         samples.iter().zip(along).filter_map(|(s, &a)| Wanted::new(s, a, field.basis(s.uv[0], s.uv[1]))).collect();
     let Some(start) = follow(&wanted, field) else { return Vec::new() };
     let step = wanted.len().div_ceil(WATCHED).max(1);
     problem.wanted = wanted.into_iter().step_by(step).collect();
-    let mut found: Vec<Level> = [1.0, -1.0]
+    let mut found: Vec<StripPotential> = [1.0, -1.0]
         .into_par_iter()
         .filter_map(|sign| Some(problem.refined(problem.rated(start.clone(), sign)?, options.rounds)))
         .collect();
@@ -278,7 +288,7 @@ fn follow(wanted: &[Wanted], mut field: Field) -> Option<Field> {
 }
 
 /// Rows and extremes, a field over the region's box, and the ratio of the speeds along v and u.
-fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<(Problem, Field, f64)> {
+fn problem(samples: &[Forms], border: &[[f64; 2]], options: &StripPotentialOptions) -> Option<(Problem, Field, f64)> {
     let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
     for p in samples.iter().map(|s| &s.uv).chain(border) {
         b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
@@ -355,7 +365,7 @@ impl Row {
 
 impl Problem {
     /// Rescales a field so that a small quantile of the ratios is one, and rates it.
-    fn rated(&self, mut field: Field, sign: f64) -> Option<Level> {
+    fn rated(&self, mut field: Field, sign: f64) -> Option<StripPotential> {
         let mut sorted: Vec<f64> = self.rows.iter().map(|r| r.ratio(&field.coefficients, sign)).collect();
         sorted.sort_by(f64::total_cmp);
         let good: Vec<f64> = sorted.iter().copied().filter(|&r| r > 0.0).collect();
@@ -370,11 +380,11 @@ impl Problem {
         let shortfall: f64 =
             sorted.iter().map(|r| (1.0 - r * scale).max(0.0)).sum::<f64>() / sorted.len().max(1) as f64;
         let range = self.extremes(&field).0;
-        Some(Level { field, sign, range, merit: range * (1.0 + 30.0 * shortfall) })
+        Some(StripPotential { field, sign, range, merit: range * (1.0 + 30.0 * shortfall) })
     }
 
     /// A start carried on by at most `rounds` programs, with a trust region that shrinks where nothing is gained.
-    fn refined(&self, mut best: Level, rounds: usize) -> Level {
+    fn refined(&self, mut best: StripPotential, rounds: usize) -> StripPotential {
         let mut trust = 0.3;
         let mut active = self.active.clone();
         let mut stalled = 0;
@@ -405,7 +415,7 @@ impl Problem {
     }
 
     /// Takes in the conditions that a field fails worst, and the places where it is extreme.
-    fn join(&self, l: &Level, active: &mut Active) {
+    fn join(&self, l: &StripPotential, active: &mut Active) {
         active.places.extend(self.extremes(&l.field).1);
         let mut failed: Vec<(f64, usize)> = self
             .rows
@@ -436,7 +446,7 @@ impl Problem {
 
     /// One linear program around `from` with a trust region of `trust` times the range; it looks at the
     /// `active` conditions and places.
-    fn improve(&self, from: &Level, trust: f64, active: &Active) -> Option<Level> {
+    fn improve(&self, from: &StripPotential, trust: f64, active: &Active) -> Option<StripPotential> {
         let c0 = &from.field.coefficients;
         let n = c0.len();
         let (hi, lo, slack) = (n, n + 1, n + 2);
@@ -521,7 +531,7 @@ mod tests {
     #[test]
     fn shallow_saddle_reaches_the_causal_diameter() {
         let s = grid(|_, _| ([4.0, 0.0, 4.0], [0.0, 4.0, 0.0]));
-        let l = level(&s, &[], &LevelOptions::default()).expect("a level function");
+        let l = strip_potential(&s, &[], &StripPotentialOptions::default()).expect("a strip potential");
         assert!(l.merit < 1.05 * 8f64.sqrt(), "{}", l.merit);
         assert!(l.range > 0.93 * 8f64.sqrt(), "{}", l.range);
     }
@@ -546,22 +556,24 @@ mod tests {
     fn bands_follow_a_wanted_direction() {
         let s = grid(|_, _| ([1.0, 0.0, 1.0], [1.0, 0.0, 1.0]));
         let (sin, cos) = 40f64.to_radians().sin_cos();
-        let found = levels_along(&s, &vec![[cos, sin]; s.len()], &[], &LevelOptions::default());
-        let l = found.first().expect("a level function");
+        let found = directed_strip_potentials(&s, &vec![[cos, sin]; s.len()], &[], &StripPotentialOptions::default());
+        let l = found.first().expect("a strip potential");
         for p in [[0.1, 0.1], [0.5, 0.5], [0.9, 0.2]] {
             let [_, du, dv] = l.field.jet(p[0], p[1]);
             assert!((du * cos + dv * sin).abs() <= 1.05 * TURN * (dv * cos - du * sin), "{du} {dv}");
         }
         // Bands square to a direction at an angle are as many as that direction's extent asks for.
         assert!(l.range < 1.02 * (sin + cos), "{}", l.range);
-        assert!(levels_along(&s, &vec![[0.0; 2]; s.len()], &[], &LevelOptions::default()).is_empty());
+        assert!(
+            directed_strip_potentials(&s, &vec![[0.0; 2]; s.len()], &[], &StripPotentialOptions::default()).is_empty()
+        );
     }
 
     /// Shallow paraboloid z = (x² + y²)/2 over the unit square: bands of straight lines, W = 1.
     #[test]
     fn shallow_paraboloid_is_banded_along_a_side() {
         let s = grid(|_, _| ([1.0, 0.0, 1.0], [1.0, 0.0, 1.0]));
-        let l = level(&s, &[], &LevelOptions::default()).expect("a level function");
+        let l = strip_potential(&s, &[], &StripPotentialOptions::default()).expect("a strip potential");
         assert!((l.merit - 1.0).abs() < 0.02, "{}", l.merit);
     }
 }

@@ -9,8 +9,8 @@ use crate::develop::strip::StripOptions;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::{Curves, Reason, StripReason};
+use crate::search::strips::assessment::{assess, Candidate};
 use crate::search::strips::cut::laid;
-use crate::search::strips::judgement::{judge, Candidate};
 use crate::torse::net::{NetKind, Regularity, TaperedNet};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -43,7 +43,7 @@ fn tell_regression(name: &str, net: &TaperedNet, notes: &mut Vec<NetNote>) {
 }
 
 /// Judges and develops strips.
-pub(super) fn judged(
+pub(super) fn assessed(
     rail: &Rail,
     given: &Rail,
     built: Vec<BuiltStrip>,
@@ -54,7 +54,7 @@ pub(super) fn judged(
     let Nets { nets, mut claims, mut notes, mut missing } = found;
     let pieces: Vec<Candidate> =
         built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: [Some(rail), None] }).collect();
-    let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
+    let assessment = assess(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
     let whole = Subject::Whole;
     for (s, net) in built.iter().zip(&nets) {
         tell_regression(&s.strip.name, net, &mut notes);
@@ -70,7 +70,7 @@ pub(super) fn judged(
         };
         missing.push(reason.into());
     }
-    missing.extend(judgement.missing.iter().filter(|_| missing.is_empty()).cloned().collect::<Vec<_>>());
+    missing.extend(assessment.missing.iter().filter(|_| missing.is_empty()).cloned().collect::<Vec<_>>());
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
     let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let chains: Vec<Part> = (!strips.is_empty()).then(|| Part::new("A", 0, strips.len())).into_iter().collect();
@@ -84,27 +84,27 @@ pub(super) fn judged(
         claims.extend(numbers.map(|(number, x)| Claim::given(What::NetShape(number), whole, x)));
     }
     if !strips.is_empty() {
-        let off = judgement.off[0];
+        let off = assessment.off[0];
         let reason = StripReason::Stray {
             by: off.value(),
             from: Curves::One(given.name.clone()),
-            most: judgement.farthest[0].clone(),
+            most: assessment.farthest[0].clone(),
         };
         let kept = Claim::at_most(What::FromCurve(0), whole, off).within(options.tolerance);
         claims.push(kept.because(Reason::from(reason)));
-        claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
+        claims.extend(assessment.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
     }
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
     if !laid.parts.is_empty() {
         claims.extend(laid.claims());
     }
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
-    claims.extend(judgement.claims);
+    claims.extend(assessment.claims);
     Answer {
         claims,
         patchwork: Patchwork::of_strips(strips),
-        fields: judgement.fields,
-        meaning: judgement.meaning,
+        fields: assessment.fields,
+        meaning: assessment.meaning,
         guides: vec![Guide::of(given)],
         notes,
         seconds: start.elapsed().as_secs_f64(),

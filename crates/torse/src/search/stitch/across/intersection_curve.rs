@@ -28,7 +28,7 @@ const PLACES: (usize, usize) = (6, 600);
 const EDGE: (f64, f64) = (1e-8, 1e-6);
 /// See [`EDGE`].
 const CURVE: (usize, usize) = (5, 480);
-/// Ends of a course are led to their vertices over this multiple of the way that they are off along it.
+/// Ends of a curve are led to their vertices over this multiple of the way that they are off along it.
 const FADE: f64 = 8.0;
 
 /// A torse with the parameter of the ruling where it was last.
@@ -108,7 +108,7 @@ pub(super) fn parts(edges: usize) -> usize {
 
 /// A curve over [0, 1] with the parameters of the vertices of a border.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct IntersectionCurve {
     pub curve: Curve<3>,
     /// Parameters of all places.
     pub at: Vec<f64>,
@@ -118,12 +118,17 @@ pub(super) struct Course {
 
 /// The curve in which two torses intersect beside an edge, or which is near both all along where they hardly cross. `None` where
 /// there is none near enough.
-pub(super) fn course(torses: [Near; 2], beside: &Model) -> Option<Course> {
-    course_within(torses, beside, (0.0, ON_TORSE)).or_else(|| course_within(torses, beside, HARDLY))
+pub(super) fn intersection_curve(torses: [Near; 2], beside: &Model) -> Option<IntersectionCurve> {
+    intersection_curve_within(torses, beside, (0.0, ON_TORSE))
+        .or_else(|| intersection_curve_within(torses, beside, HARDLY))
 }
 
-/// See [`course`]; with what ways count against distances, and what is left as a share of the length at most.
-fn course_within(mut torses: [Near; 2], beside: &Model, (sideways, allowed): (f64, f64)) -> Option<Course> {
+/// See [`intersection_curve`]; with what ways count against distances, and what is left as a share of the length at most.
+fn intersection_curve_within(
+    mut torses: [Near; 2],
+    beside: &Model,
+    (sideways, allowed): (f64, f64),
+) -> Option<IntersectionCurve> {
     let points = beside.points;
     let last = points.len() - 1;
     let tangent = |i: usize| {
@@ -135,7 +140,7 @@ fn course_within(mut torses: [Near; 2], beside: &Model, (sideways, allowed): (f6
         along.push(along[along.len() - 1] + (w[1] - w[0]).norm());
     }
     let length = along[last];
-    // Near its ends the course makes way to where it is to begin and end.
+    // Near its ends the curve makes way to where it is to begin and end.
     let offs = [(0, beside.ends[0]), (last, beside.ends[1])];
     let offs = offs.map(|(i, x)| tangent(i).map(|t| t.dot(&(x - points[i]))));
     let [first, second] = [offs[0]?, offs[1]?];
@@ -167,7 +172,7 @@ fn course_within(mut torses: [Near; 2], beside: &Model, (sideways, allowed): (f6
         places.push(y.into());
     }
     let (curve, at) = fitted(&places)?;
-    Some(Course { curve, at, rulings })
+    Some(IntersectionCurve { curve, at, rulings })
 }
 
 /// A curve over [0, 1] through the ends of places and near all of them, and the parameter of each; `None` where it strays.

@@ -12,7 +12,7 @@ use nalgebra::Matrix3;
 
 /// The surface of a face.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Carrier {
+pub enum RecognisedSurface {
     /// Through the origin, square to z, which is the face's outward normal.
     Plane(Frame),
     /// About the z axis.
@@ -58,7 +58,7 @@ pub struct Defect {
     pub strain_estimate: f64,
 }
 
-impl Carrier {
+impl RecognisedSurface {
     /// Lower-case name used in reports.
     pub fn name(&self) -> &'static str {
         match self {
@@ -78,9 +78,9 @@ impl Carrier {
     }
 }
 
-/// Share of a face's extent within which its points must keep to a carrier: what ten printed digits lose, with a margin.
+/// Share of a face's extent within which its points must keep to a recognised surface: what ten printed digits lose, with a margin.
 pub const EXACT: f64 = 1e-7;
-/// Places per direction where carriers are compared with the surface.
+/// Places per direction where recognised surfaces are compared with the surface.
 const PLACES: usize = 9;
 /// Rulings looked at on each span between knots.
 const LINES: usize = 8;
@@ -123,9 +123,9 @@ pub(crate) fn rulings(face: &Face) -> Option<Rulings<'_>> {
 
 /// The surface that a face lies on.
 ///
-/// *Guarantee*: at all samples points keep to the carrier within [`EXACT`] of the face's extent. *Not guaranteed*: what
+/// *Guarantee*: at all samples points keep to the recognised surface within [`EXACT`] of the face's extent. *Not guaranteed*: what
 /// happens between samples, and developable faces whose rulings are no parameter lines are not found.
-pub(crate) fn carrier(face: &Face) -> Carrier {
+pub(crate) fn recognise(face: &Face) -> RecognisedSurface {
     let b = bounds(face);
     let places = grid(b);
     let points: Vec<Vec3> = places.iter().map(|q| face.surface.point(q[0], q[1])).collect();
@@ -134,7 +134,9 @@ pub(crate) fn carrier(face: &Face) -> Carrier {
     if let Some(plane) = plane(face, &places, &points, slack) {
         return plane;
     }
-    let Some(rulings) = Rulings::of(&face.surface, b, slack) else { return Carrier::Curved(defect(face, &places)) };
+    let Some(rulings) = Rulings::of(&face.surface, b, slack) else {
+        return RecognisedSurface::Curved(defect(face, &places));
+    };
     let lines: Vec<(Vec3, Vec3, Vec3)> = rulings
         .breaks()
         .windows(2)
@@ -142,14 +144,14 @@ pub(crate) fn carrier(face: &Face) -> Carrier {
         .filter_map(|s| rulings.line(s))
         .map(|l| (l.point, l.direction, l.normal))
         .collect();
-    let Some(first) = lines.first() else { return Carrier::Curved(defect(face, &places)) };
+    let Some(first) = lines.first() else { return RecognisedSurface::Curved(defect(face, &places)) };
     if lines.iter().all(|l| l.1.cross(&first.1).norm() <= PARALLEL) {
         let direction = first.1;
-        return cylinder(&lines, &points, slack).unwrap_or(Carrier::GeneralCylinder { direction });
+        return cylinder(&lines, &points, slack).unwrap_or(RecognisedSurface::GeneralCylinder { direction });
     }
     match common_point(&lines).filter(|a| lines.iter().all(|l| (a - l.0).cross(&l.1).norm() <= slack)) {
-        Some(apex) => cone(&apex, &lines, slack).unwrap_or(Carrier::GeneralCone { apex }),
-        None => Carrier::TangentSurface,
+        Some(apex) => cone(&apex, &lines, slack).unwrap_or(RecognisedSurface::GeneralCone { apex }),
+        None => RecognisedSurface::TangentSurface,
     }
 }
 
@@ -163,10 +165,10 @@ fn extent(points: &[Vec3]) -> f64 {
     crate::geom::BBox::of(points).diagonal()
 }
 
-fn plane(face: &Face, places: &[[f64; 2]], points: &[Vec3], slack: f64) -> Option<Carrier> {
+fn plane(face: &Face, places: &[[f64; 2]], points: &[Vec3], slack: f64) -> Option<RecognisedSurface> {
     let z = places.iter().find_map(|q| outward(face, *q))?;
     let flat = points.iter().all(|p| (p - points[0]).dot(&z).abs() <= slack);
-    flat.then(|| Carrier::Plane(frame(points[0], z)))
+    flat.then(|| RecognisedSurface::Plane(frame(points[0], z)))
 }
 
 /// A frame with a given third axis.
@@ -184,7 +186,7 @@ pub fn frame(origin: Vec3, z: Vec3) -> Frame {
 }
 
 /// The circular cylinder through lines with one direction, if there is one.
-fn cylinder(lines: &[(Vec3, Vec3, Vec3)], points: &[Vec3], slack: f64) -> Option<Carrier> {
+fn cylinder(lines: &[(Vec3, Vec3, Vec3)], points: &[Vec3], slack: f64) -> Option<RecognisedSurface> {
     let z = lines[0].1;
     // The axis is where the normals meet: least squares of (c − p) × n = 0 square to z.
     let (mut sum, mut right) = (Matrix3::zeros(), Vec3::zeros());
@@ -202,7 +204,7 @@ fn cylinder(lines: &[(Vec3, Vec3, Vec3)], points: &[Vec3], slack: f64) -> Option
     };
     let radius = lines.iter().map(|l| away(&l.0)).sum::<f64>() / lines.len() as f64;
     let holds = radius.is_finite() && points.iter().all(|p| (away(p) - radius).abs() <= slack);
-    holds.then(|| Carrier::Cylinder { frame: frame(centre, z), radius })
+    holds.then(|| RecognisedSurface::Cylinder { frame: frame(centre, z), radius })
 }
 
 /// The point nearest to all lines.
@@ -217,7 +219,7 @@ fn common_point(lines: &[(Vec3, Vec3, Vec3)]) -> Option<Vec3> {
 }
 
 /// The circular cone of lines through one point, if it is one: the axis makes one angle with all of them.
-fn cone(apex: &Vec3, lines: &[(Vec3, Vec3, Vec3)], slack: f64) -> Option<Carrier> {
+fn cone(apex: &Vec3, lines: &[(Vec3, Vec3, Vec3)], slack: f64) -> Option<RecognisedSurface> {
     let unit: Vec<Vec3> = lines.iter().filter_map(|l| (l.0 - apex).try_normalize(0.0)).collect();
     let (n, mean) = (unit.len(), unit.iter().sum::<Vec3>() / unit.len() as f64);
     // Ends of unit vectors of a circular cone lie in a plane: its normal is the axis.
@@ -231,7 +233,7 @@ fn cone(apex: &Vec3, lines: &[(Vec3, Vec3, Vec3)], slack: f64) -> Option<Carrier
     let cos = unit.iter().map(|w| w.dot(&z)).sum::<f64>() / n as f64;
     let reach = lines.iter().map(|l| (l.0 - apex).norm()).fold(0.0, f64::max);
     let holds = cos > 0.0 && unit.iter().all(|w| (w.dot(&z) - cos).abs() * reach <= slack);
-    holds.then(|| Carrier::Cone { frame: frame(*apex, z), half_angle: cos.clamp(0.0, 1.0).acos() })
+    holds.then(|| RecognisedSurface::Cone { frame: frame(*apex, z), half_angle: cos.clamp(0.0, 1.0).acos() })
 }
 
 /// How far a surface is from developable, at places.
@@ -294,29 +296,29 @@ mod tests {
     use crate::brep::support_surface::SupportSurface;
     use crate::spline::knots::Knots;
 
-    fn on(support: &SupportSurface, u: (f64, f64), v: (f64, f64)) -> Carrier {
-        carrier(&Face::untrimmed(support.to_spline(u, v).expect("a spline").0))
+    fn on(support: &SupportSurface, u: (f64, f64), v: (f64, f64)) -> RecognisedSurface {
+        recognise(&Face::untrimmed(support.to_spline(u, v).expect("a spline").0))
     }
 
-    fn ruled(a: &[Vec3], b: &[Vec3]) -> Carrier {
+    fn ruled(a: &[Vec3], b: &[Vec3]) -> RecognisedSurface {
         let points: Vec<Vec3> = a.iter().zip(b).flat_map(|(p, q)| [*p, *q]).collect();
         let across = Knots::clamped(a.len() - 1, &[0.0, 1.0]).expect("knots");
         let along = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
-        carrier(&Face::untrimmed(Surface::new(across, along, &points, None).expect("a surface")))
+        recognise(&Face::untrimmed(Surface::new(across, along, &points, None).expect("a surface")))
     }
 
     #[test]
     fn elementary_surfaces_are_found_in_their_splines_with_their_sizes() {
         let z = Vec3::new(1.0, 2.0, 2.0) / 3.0;
         let frame = frame(Vec3::new(5.0, -3.0, 8.0), z);
-        assert!(matches!(on(&SupportSurface::Plane(frame), (0.0, 3.0), (0.0, 9.0)), Carrier::Plane(_)));
-        let Carrier::Cylinder { frame: f, radius } =
+        assert!(matches!(on(&SupportSurface::Plane(frame), (0.0, 3.0), (0.0, 9.0)), RecognisedSurface::Plane(_)));
+        let RecognisedSurface::Cylinder { frame: f, radius } =
             on(&SupportSurface::Cylinder { frame, radius: 7.0 }, (0.3, 1.1), (0.0, 40.0))
         else {
             panic!("a cylinder")
         };
         assert!((radius - 7.0).abs() < 1e-9 && f.z.cross(&z).norm() < 1e-10);
-        let Carrier::Cone { frame: f, half_angle } =
+        let RecognisedSurface::Cone { frame: f, half_angle } =
             on(&SupportSurface::Cone { frame, radius: 7.0, slope: 0.25 }, (0.3, 2.9), (0.0, 10.0))
         else {
             panic!("a cone")
@@ -324,7 +326,7 @@ mod tests {
         assert!((half_angle - 0.25_f64.atan()).abs() < 1e-9);
         assert!((f.origin - (frame.origin - z * 28.0)).norm() < 1e-7);
         let torus = SupportSurface::Torus { frame, major: 20.0, minor: 4.0 };
-        let Carrier::Curved(d) = on(&torus, (0.0, 1.0), (-0.5, 0.5)) else { panic!("a torus") };
+        let RecognisedSurface::Curved(d) = on(&torus, (0.0, 1.0), (-0.5, 0.5)) else { panic!("a torus") };
         // Greatest where the ring is outermost: cos 0 / (4 · 24).
         assert!((d.curvature_estimate - 1.0 / 96.0).abs() < 2e-3 && d.twist_estimate.is_nan());
     }
@@ -338,13 +340,13 @@ mod tests {
         for (support, v, curvature) in
             [(torus, (0.0, turn), 1.0 / (20.0 * 80.0)), (sphere.clone(), (-0.25 * turn, 0.25 * turn), 1e-4)]
         {
-            let Carrier::Curved(d) = on(&support, (0.0, turn), v) else { panic!("{support:?}") };
+            let RecognisedSurface::Curved(d) = on(&support, (0.0, turn), v) else { panic!("{support:?}") };
             assert!((d.curvature_estimate / curvature - 1.0).abs() < 1e-3, "{d:?}");
             assert!((0.5..1.0).contains(&d.strain_estimate), "{d:?}");
             assert!(d.twist_estimate.is_nan(), "circles are no rulings: {d:?}");
         }
         // A cap of small breadth: what its rim is too short by.
-        let Carrier::Curved(d) = on(&sphere, (0.0, 0.2), (-0.1, 0.1)) else { panic!("a sphere") };
+        let RecognisedSurface::Curved(d) = on(&sphere, (0.0, 0.2), (-0.1, 0.1)) else { panic!("a sphere") };
         assert!((d.strain_estimate / (0.2_f64.powi(2) / 16.0) - 1.0).abs() < 0.01, "{d:?}");
     }
 
@@ -352,10 +354,10 @@ mod tests {
     fn ruled_surfaces_are_told_apart_and_twist_is_measured() {
         let c = [Vec3::zeros(), Vec3::new(30.0, 0.0, 40.0), Vec3::new(90.0, 10.0, 0.0)];
         let moved = c.map(|p| p + Vec3::new(0.0, 70.0, 20.0));
-        assert!(matches!(ruled(&c, &moved), Carrier::GeneralCylinder { .. }));
+        assert!(matches!(ruled(&c, &moved), RecognisedSurface::GeneralCylinder { .. }));
         let apex = Vec3::new(10.0, 200.0, -30.0);
         assert!(
-            matches!(ruled(&c, &c.map(|p| p + (apex - p) * 0.5)), Carrier::GeneralCone { apex: a } if (a - apex).norm() < 1e-6)
+            matches!(ruled(&c, &c.map(|p| p + (apex - p) * 0.5)), RecognisedSurface::GeneralCone { apex: a } if (a - apex).norm() < 1e-6)
         );
         // Tangents of a cubic: from the curve's own points along its derivative.
         let cubic = [Vec3::zeros(), Vec3::x() * 10.0, Vec3::new(20.0, 10.0, 0.0), Vec3::new(30.0, 30.0, 10.0)];
@@ -366,12 +368,12 @@ mod tests {
             k => (hodograph[k - 1] * k as f64 + hodograph[k] * (3 - k) as f64) / 3.0,
         };
         let along = |s: f64| (0..4).map(|k| cubic[k] + elevated(k) * s).collect::<Vec<_>>();
-        assert_eq!(ruled(&along(1.0), &along(3.0)), Carrier::TangentSurface);
+        assert_eq!(ruled(&along(1.0), &along(3.0)), RecognisedSurface::TangentSurface);
         let mut before = 0.0;
         for lift in [1e-3, 1e-2, 1e-1, 1.0] {
             let mut twisted = moved;
             twisted[2].z += 100.0 * lift;
-            let Carrier::Curved(d) = ruled(&c, &twisted) else { panic!("twisted by {lift}") };
+            let RecognisedSurface::Curved(d) = ruled(&c, &twisted) else { panic!("twisted by {lift}") };
             assert!(d.twist_estimate > before, "monotone with the twist");
             before = d.twist_estimate;
         }

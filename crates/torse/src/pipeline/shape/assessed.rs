@@ -18,8 +18,8 @@ use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::{Curves, JobReason, Reason, StripReason, Unlaid};
+use crate::search::strips::assessment::{assess, Assessment, Candidate};
 use crate::search::strips::cut::laid;
-use crate::search::strips::judgement::{judge, Candidate, Judgement};
 use crate::search::strips::regression;
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -97,8 +97,8 @@ fn twists(strip: &Strip) -> PanelField {
 }
 
 /// Fields of all strips in order: those of the judged ones, and those of ruled ones.
-fn fields(all: &[Made], judgement: &Judgement) -> Vec<PanelField> {
-    let mut judged = judgement.fields.iter();
+fn fields(all: &[Made], assessment: &Assessment) -> Vec<PanelField> {
+    let mut judged = assessment.fields.iter();
     let of = |m: &Made| match m.built.strip.kind {
         PanelKind::Ruled => Some(twists(&m.built.strip)),
         _ => judged.next().cloned(),
@@ -115,7 +115,12 @@ fn margin(composite: &Composite, strip: &Strip) -> f64 {
 }
 
 /// Judges and develops what a session has come to.
-pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &Control) -> Result<Answer, ShapeError> {
+pub(super) fn assessed(
+    session: &Session,
+    asked: &Asked,
+    moved: Moved,
+    control: &Control,
+) -> Result<Answer, ShapeError> {
     let (composite, options) = (session.composite(), asked.options);
     let Moved { mut notes, stages, missing: mut missing_moves } = moved;
     let mut strips = session.strips()?;
@@ -126,25 +131,25 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     let pieces: Vec<Candidate> = developable
         .map(|(index, m)| Candidate { index, built: &m.built, rails: m.rails.each_ref().map(Option::as_ref) })
         .collect();
-    let judgement = judge(&pieces, [What::FromSide(0), What::FromSide(1)], options.twist_tolerance);
+    let assessment = assess(&pieces, [What::FromSide(0), What::FromSide(1)], options.twist_tolerance);
     let ruled = all.len() - pieces.len();
     let whole = Subject::Whole;
     let mut claims = Vec::new();
     for side in 0..2 {
         if pieces.iter().any(|p| p.rails[side].is_some()) {
-            let most = judgement.farthest[side].clone();
-            let reason = StripReason::Stray { by: judgement.off[side].value(), from: Curves::Fixed, most };
-            let kept = Claim::at_most(What::FromSide(side), whole, judgement.off[side]);
+            let most = assessment.farthest[side].clone();
+            let reason = StripReason::Stray { by: assessment.off[side].value(), from: Curves::Fixed, most };
+            let kept = Claim::at_most(What::FromSide(side), whole, assessment.off[side]);
             claims.push(kept.within(options.tolerance).because(Reason::from(reason)));
         }
     }
-    let mut missing = judgement.missing.clone();
+    let mut missing = assessment.missing.clone();
     missing.append(&mut missing_moves);
     let (gave_way, unmet) = unmet(session, options.tolerance);
     notes.extend(gave_way);
     missing.extend(unmet);
-    let fields = fields(&all, &judgement);
-    let mut meaning = judgement.meaning.clone();
+    let fields = fields(&all, &assessment);
+    let mut meaning = assessment.meaning.clone();
     meaning.limit = fields.iter().flat_map(|f| &f.values).fold(meaning.limit, |m, x| m.max(*x));
     let strips: Vec<Strip> = all.into_iter().map(|m| m.built.strip).collect();
     let (joints, told) = joins(composite, &strips, options);
@@ -161,7 +166,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
     if ruled < strips.len() {
         let proven = |c: &Claim| matches!(c.what(), What::Count(_) | What::RegressionClearance);
-        claims.extend(judgement.whole().into_iter().filter(|c| !proven(c)));
+        claims.extend(assessment.whole().into_iter().filter(|c| !proven(c)));
         claims.extend(laid.claims());
     }
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
@@ -172,7 +177,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     if !claims.iter().any(asks_for_proof) {
         claims.push(Claim::objection(whole, JobReason::NothingAsked));
     }
-    claims.extend(judgement.claims.into_iter().filter(|c| c.what() != What::RegressionClearance));
+    claims.extend(assessment.claims.into_iter().filter(|c| c.what() != What::RegressionClearance));
     claims.extend(regression::claims(&strips, &|k| margin(composite, &strips[k])));
     let guides = composite.curves.iter().map(|c| {
         let (a, b) = c.curve.domain();

@@ -1,8 +1,8 @@
-//! The boundary of a face as runs along its file's edges: exact curves of space with the place of every point in the
+//! The boundary of a face as stretches along its file's edges: exact curves of space with the place of every point in the
 //! parameter plane.
 //!
 //! The trim of a face is a polygon; the file's curves go with it ([`FileBoundary`](crate::brep::face::FileBoundary)). A
-//! run is a smooth stretch of one such curve, with the polygon as the guide that tells copies on closed surfaces apart.
+//! stretch is a smooth stretch of one such curve, with the polygon as the guide that tells copies on closed surfaces apart.
 
 use crate::brep::face::Face;
 use crate::brep::nearest_on_curve::refine;
@@ -12,12 +12,12 @@ use crate::spline::curve::Curve;
 
 /// A smooth stretch of the boundary of a face, material on the left seen against the outward normal.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct BoundaryStretch {
     /// Number of the file's edge; 0 for sides that the file has no edge for, such as a seam that the reader cut.
     pub entity: u64,
     /// Its curve; `None` where it is the image of a line of the parameter plane.
     curve: Option<Curve<4>>,
-    /// Parameters of the curve in the direction of the run with places in the parameter plane; two at least.
+    /// Parameters of the curve in the direction of the stretch with places in the parameter plane; two at least.
     nodes: Vec<(f64, [f64; 2])>,
 }
 
@@ -29,7 +29,7 @@ const BESIDE: f64 = 1e-6;
 /// Shares of an edge closer than this are one.
 const SAME_SHARE: f64 = 1e-9;
 
-impl Run {
+impl BoundaryStretch {
     /// Point of space and place in the parameter plane at `s` in [0, 1].
     pub fn at(&self, face: &Face, s: f64) -> (Vec3, [f64; 2]) {
         let (first, last) = (self.nodes[0].0, self.nodes[self.nodes.len() - 1].0);
@@ -59,7 +59,7 @@ impl Run {
         points.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
     }
 
-    /// Share of the run where it passes nearest to `x`, and the distance there.
+    /// Share of the stretch where it passes nearest to `x`, and the distance there.
     pub fn nearest(&self, face: &Face, x: &Vec3) -> (f64, f64) {
         /// Starts.
         const STARTS: usize = 32;
@@ -114,14 +114,14 @@ impl Run {
     }
 }
 
-/// The runs of a face, loop by loop in the order of the face's loops, each loop with the material on its left seen
+/// The stretches of a face, loop by loop in the order of the face's loops, each loop with the material on its left seen
 /// against the outward normal.
-pub fn runs(face: &Face) -> Vec<Vec<Run>> {
+pub fn boundary_stretches(face: &Face) -> Vec<Vec<BoundaryStretch>> {
     let loops = (0..face.loops.len()).map(|l| {
-        let mut out: Vec<Run> = pieces(face, l).into_iter().flat_map(split_at_kinks).collect();
+        let mut out: Vec<BoundaryStretch> = pieces(face, l).into_iter().flat_map(split_at_kinks).collect();
         if face.reversed {
             out.reverse();
-            out = out.into_iter().map(Run::reversed).collect();
+            out = out.into_iter().map(BoundaryStretch::reversed).collect();
         }
         out
     });
@@ -132,7 +132,7 @@ pub fn runs(face: &Face) -> Vec<Vec<Run>> {
 struct Followed<'a> {
     entity: u64,
     curve: Option<&'a Curve<4>>,
-    /// Equal for sides that may be one run.
+    /// Equal for sides that may be one stretch.
     key: (u32, usize),
     ends: [f64; 2],
 }
@@ -154,8 +154,8 @@ fn followed(face: &Face, l: usize, side: usize) -> Followed<'_> {
     Followed { entity: edge.entity, curve: Some(&p.curve), key: (label, piece), ends: [at(from), at(to)] }
 }
 
-/// Runs of loop `l` before they are split at kinks: sides of one edge that follow each other.
-fn pieces(face: &Face, l: usize) -> Vec<Run> {
+/// Stretches of loop `l` before they are split at kinks: sides of one edge that follow each other.
+fn pieces(face: &Face, l: usize) -> Vec<BoundaryStretch> {
     let points = &face.loops[l].points;
     let n = points.len();
     let sides: Vec<Followed> = (0..n).map(|k| followed(face, l, k)).collect();
@@ -163,44 +163,44 @@ fn pieces(face: &Face, l: usize) -> Vec<Run> {
         let width = |f: &Followed| f.curve.map_or(1.0, |c| c.domain().1 - c.domain().0);
         a.key == b.key && a.curve.is_some() && (a.ends[1] - b.ends[0]).abs() <= SAME_SHARE * width(a)
     };
-    // Begin where a run does; a loop of one closed run may begin anywhere.
+    // Begin where a stretch does; a loop of one closed stretch may begin anywhere.
     let start = (0..n).find(|&k| !joined(&sides[(k + n - 1) % n], &sides[k])).unwrap_or(0);
-    let mut out: Vec<Run> = Vec::new();
+    let mut out: Vec<BoundaryStretch> = Vec::new();
     for i in 0..n {
         let k = (start + i) % n;
         let (side, from, to) = (&sides[k], points[k], points[(k + 1) % n]);
         let goes_on = i > 0 && joined(&sides[(k + n - 1) % n], side);
         match out.last_mut() {
-            Some(run) if goes_on => run.nodes.push((side.ends[1], to)),
+            Some(stretch) if goes_on => stretch.nodes.push((side.ends[1], to)),
             // A side that closes a gap between edges is no way along its edge.
             _ if side.ends[0] == side.ends[1] => {}
             _ => {
                 let nodes = vec![(side.ends[0], from), (side.ends[1], to)];
-                let run = Run { entity: side.entity, curve: side.curve.cloned(), nodes };
-                out.push(if run.curve.is_none() { along_parameter(face, run) } else { run });
+                let stretch = BoundaryStretch { entity: side.entity, curve: side.curve.cloned(), nodes };
+                out.push(if stretch.curve.is_none() { along_parameter(face, stretch) } else { stretch });
             }
         }
     }
     out
 }
 
-/// The run with the curve that a line of constant parameter is.
-fn along_parameter(face: &Face, run: Run) -> Run {
-    let (p, q) = (run.nodes[0].1, run.nodes[run.nodes.len() - 1].1);
+/// The stretch with the curve that a line of constant parameter is.
+fn along_parameter(face: &Face, stretch: BoundaryStretch) -> BoundaryStretch {
+    let (p, q) = (stretch.nodes[0].1, stretch.nodes[stretch.nodes.len() - 1].1);
     let (curve, nodes) = if p[0] == q[0] {
         (face.surface.curve_at_u(p[0]), [p[1], q[1]])
     } else if p[1] == q[1] {
         (face.surface.curve_at_v(p[1]), [p[0], q[0]])
     } else {
-        return run;
+        return stretch;
     };
-    Run { curve: Some(curve), nodes: vec![(nodes[0], p), (nodes[1], q)], ..run }
+    BoundaryStretch { curve: Some(curve), nodes: vec![(nodes[0], p), (nodes[1], q)], ..stretch }
 }
 
-/// The smooth parts of a run.
-fn split_at_kinks(run: Run) -> Vec<Run> {
-    let Some(curve) = &run.curve else { return vec![run] };
-    let (first, last) = (run.nodes[0].0, run.nodes[run.nodes.len() - 1].0);
+/// The smooth parts of a stretch.
+fn split_at_kinks(stretch: BoundaryStretch) -> Vec<BoundaryStretch> {
+    let Some(curve) = &stretch.curve else { return vec![stretch] };
+    let (first, last) = (stretch.nodes[0].0, stretch.nodes[stretch.nodes.len() - 1].0);
     let width = last - first;
     let degree = curve.knots.degree();
     let sharp = curve.knots.distinct().into_iter().filter(|(t, many)| {
@@ -210,7 +210,7 @@ fn split_at_kinks(run: Run) -> Vec<Run> {
     let mut shares: Vec<f64> = sharp.map(|(t, _)| (t - first) / width).collect();
     shares.sort_by(f64::total_cmp);
     let mut out = Vec::new();
-    let (mut rest, mut done) = (run, 0.0);
+    let (mut rest, mut done) = (stretch, 0.0);
     for s in shares {
         let [head, tail] = rest.split((s - done) / (1.0 - done));
         out.push(head);

@@ -9,8 +9,8 @@ use crate::develop::strip::StripOptions;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::{Covered, Reason, StripReason};
+use crate::search::strips::assessment::{assess, Candidate};
 use crate::search::strips::cut::laid;
-use crate::search::strips::judgement::{judge, Candidate};
 use crate::search::strips::loft_ends::{past_ends, used};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -45,7 +45,7 @@ fn covered_in_part(
 }
 
 /// Judges and develops strips.
-pub(super) fn judged(
+pub(super) fn assessed(
     [rails, given]: [&[&Rail; 2]; 2],
     built: Vec<BuiltStrip>,
     closed: bool,
@@ -55,18 +55,18 @@ pub(super) fn judged(
 ) -> Answer {
     let pieces: Vec<Candidate> =
         built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: rails.map(Some) }).collect();
-    let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
+    let assessment = assess(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
     let whole = Subject::Whole;
     let mut claims: Vec<Claim> = (0..2)
         .map(|side| {
-            let off = judgement.off[side];
-            let most = judgement.farthest[side].clone();
+            let off = assessment.off[side];
+            let most = assessment.farthest[side].clone();
             let reason = StripReason::OffRail { by: off.value(), rail: rails[side].name.clone(), most };
             let kept = Claim::at_most(What::FromCurve(side), whole, off).within(options.tolerance);
             kept.because(Reason::from(reason))
         })
         .collect();
-    let mut missing = judgement.missing.clone();
+    let mut missing = assessment.missing.clone();
     let shares = [0, 1].map(|d: usize| used(&built, d, rails[d], options.ends == Ends::Extend));
     // What is covered comes first.
     let part = covered_in_part(&built, [rails, given], shares, options);
@@ -86,16 +86,16 @@ pub(super) fn judged(
     notes.extend(closed.then_some(Note::CutOpen { part: None }));
     notes.extend(creases(&strips).map(Note::Loft));
     claims.extend((0..2).map(|d| Claim::measured(What::UsedOf(d), whole, 100.0 * shares[d])));
-    claims.extend(judgement.whole());
+    claims.extend(assessment.whole());
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
     claims.extend(laid.claims());
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
-    claims.extend(judgement.claims);
+    claims.extend(assessment.claims);
     Answer {
         claims,
         patchwork: Patchwork::of_strips(strips),
-        fields: judgement.fields,
-        meaning: judgement.meaning,
+        fields: assessment.fields,
+        meaning: assessment.meaning,
         guides: given.iter().map(|r| Guide::of(r)).collect(),
         notes,
         seconds: start.elapsed().as_secs_f64(),

@@ -1,8 +1,8 @@
 //! A face against the plane, cylinder or cone that it is laid flat as.
 //!
 //! *Theorem*. Every point of the face's surface within those of its Bézier patches that a box around its trim meets is within the bound
-//! of the carrier. *Proof.* The
-//! carrier is the zero set of a function of degree 1 or 2 in homogeneous coordinates; put into it, a patch becomes a
+//! of the map surface. *Proof.* The
+//! map surface is the zero set of a function of degree 1 or 2 in homogeneous coordinates; put into it, a patch becomes a
 //! polynomial whose Bernstein coefficients enclose it, and so does the weight. Divided by the gradient of the function,
 //! which is bounded from below, that is a distance. Patches come from knot insertion, whose
 //! rounding is added. Where a side of a patch lies in the apex of a cone, the gradient has no bound from below; but patch,
@@ -23,10 +23,10 @@ use crate::spline::surface::Surface;
 /// control points: a thousand times what some twenty convex combinations of doubles do.
 const ROUNDING: f64 = 1e-12;
 
-/// Bound of the distance (mm) of the points of a surface within parameters `[u0, u1, v0, v1]` from the carrier of the map by which it
+/// Bound of the distance (mm) of the points of a surface within parameters `[u0, u1, v0, v1]` from the surface of the map by which it
 /// is laid flat; unknown where a weight is not positive, and where no patch lies there. With whether that holds for the whole surface:
 /// else places of a face beyond the box, to which its trim was read by chords, may be farther by as much as they are beyond.
-pub(crate) fn distance_from_carrier(surface: &Surface, within: &[f64; 4], map: &ClosedMap) -> (UpperBound, bool) {
+pub(crate) fn distance_from_map_surface(surface: &Surface, within: &[f64; 4], map: &ClosedMap) -> (UpperBound, bool) {
     let mut patches = surface.bezier_patches();
     let count = patches.len();
     // What only touches the box has a neighbour there.
@@ -130,7 +130,7 @@ const POINT: f64 = 1e-9;
 /// Halvings of a piece of an edge until its bound is fine enough, at most.
 const HALVINGS: u32 = 8;
 
-/// Bound of the distance (mm) of a part of an edge (homogeneous) from the carrier of a map; `aim` (mm) is fine enough.
+/// Bound of the distance (mm) of a part of an edge (homogeneous) from the surface of a map; `aim` (mm) is fine enough.
 pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap, aim: f64) -> UpperBound {
     let (a, b) = (part[0].min(part[1]), part[0].max(part[1]));
     let (lo, hi) = edge.domain();
@@ -164,7 +164,7 @@ fn of_edge(piece: &Bezier<4>, size: f64, map: &ClosedMap, aim: f64, halvings: u3
     }
 }
 
-/// Distance of patches of a surface of this size from the carrier of a map.
+/// Distance of patches of a surface of this size from the surface of a map.
 fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> UpperBound {
     let of = |p: &BezierPatch| Net::of(&p.control, p.degree, map.frame())?.distance(size, map);
     shown(patches.iter().map(of).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d))), size)
@@ -207,7 +207,7 @@ impl Net {
         })
     }
 
-    /// Distance from the carrier of a map in whose frame the net is, of a surface or an edge of this size.
+    /// Distance from the surface of a map in whose frame the net is, of a surface or an edge of this size.
     fn distance(&self, size: f64, map: &ClosedMap) -> Option<f64> {
         match map {
             ClosedMap::Plane(_) => self.hull(|q| q[2]).map(|z| z.mag() / self.weight),
@@ -310,13 +310,14 @@ mod tests {
         let frame = Frame::world();
         let pipe = part(&SupportSurface::Cylinder { frame, radius: 25.0 });
         let bound = |radius: f64| {
-            distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame, radius, reach: radius }).0.value()
+            distance_from_map_surface(&pipe, &ALL, &ClosedMap::Cylinder { frame, radius, reach: radius }).0.value()
         };
         assert!(bound(25.0) < 1e-9, "{}", bound(25.0));
         // Wrong by a hundredth of a millimetre: never less than the truth, and not much more.
         assert!((0.01..0.03).contains(&bound(25.01)), "{}", bound(25.01));
         let moved = Frame { origin: Vec3::new(0.02, 0.0, 0.0), ..frame };
-        let off = distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame: moved, radius: 25.0, reach: 25.0 });
+        let off =
+            distance_from_map_surface(&pipe, &ALL, &ClosedMap::Cylinder { frame: moved, radius: 25.0, reach: 25.0 });
         assert!((0.0199..0.1).contains(&off.0.value()), "{off:?}");
     }
 
@@ -353,7 +354,7 @@ mod tests {
             let points = [[0.0, 0.0, 0.0], [0.0, 80.0, z], [90.0, 0.0, 0.0], [90.0, 80.0, 0.0]].map(Vec3::from);
             Surface::new(knots(), knots(), &points, None).expect("a surface")
         };
-        let bound = |z: f64| distance_from_carrier(&flat(z), &ALL, &ClosedMap::Plane(frame)).0.value();
+        let bound = |z: f64| distance_from_map_surface(&flat(z), &ALL, &ClosedMap::Plane(frame)).0.value();
         assert!(bound(0.0) < 1e-9 && bound(0.5) >= 0.5 && bound(0.5) < 0.51);
     }
 
@@ -366,11 +367,12 @@ mod tests {
         let surface =
             Surface::new(knots(&[0.0, 1.0, 16.0, 17.0]), knots(&[0.0, 1.0]), &points, None).expect("a surface");
         let bound = |u0: f64, u1: f64| {
-            distance_from_carrier(&surface, &[u0, u1, 0.2, 0.9], &ClosedMap::Plane(Frame::world())).0.value()
+            distance_from_map_surface(&surface, &[u0, u1, 0.2, 0.9], &ClosedMap::Plane(Frame::world())).0.value()
         };
         assert!(bound(1.0, 16.0) < 1e-9 && bound(2.0, 9.0) < 1e-9);
         assert!(bound(0.9, 16.0) >= 0.4 && bound(2.0, 16.5) >= 0.5);
-        let whole = |u: f64| distance_from_carrier(&surface, &[0.0, u, 0.0, 1.0], &ClosedMap::Plane(Frame::world())).1;
+        let whole =
+            |u: f64| distance_from_map_surface(&surface, &[0.0, u, 0.0, 1.0], &ClosedMap::Plane(Frame::world())).1;
         assert!(whole(17.0) && !whole(16.0));
         assert!(bound(20.0, 30.0).is_infinite() && bound(f64::NAN, 3.0).is_infinite());
     }

@@ -1,4 +1,4 @@
-//! Sheets: faces with shared edges and vertices, as a STEP file has them.
+//! Shells: faces with shared edges and vertices, as a STEP file has them.
 
 use crate::draw::scene::titled;
 use crate::geom::{Frame, Vec3};
@@ -10,31 +10,31 @@ use crate::torse::strip::Strip;
 
 /// Connected faces with the edges and vertices that they share.
 #[derive(Clone, Debug, Default)]
-pub struct Sheet {
+pub struct Shell {
     /// Name of the body.
     pub name: String,
     /// Corner points, mm.
     pub vertices: Vec<Vec3>,
     /// Edges between them.
-    pub edges: Vec<SheetEdge>,
+    pub edges: Vec<ShellEdge>,
     /// Faces.
-    pub faces: Vec<SheetFace>,
+    pub faces: Vec<ShellFace>,
 }
 
 /// An edge: a curve between two vertices (twice the same for a closed edge).
 #[derive(Clone, Debug)]
-pub struct SheetEdge {
+pub struct ShellEdge {
     /// Index of the first vertex.
     pub start: usize,
     /// Index of the last vertex.
     pub end: usize,
     /// Curve from start to end.
-    pub curve: SheetCurve,
+    pub curve: ShellCurve,
 }
 
 /// Curve of an edge.
 #[derive(Clone, Debug)]
-pub enum SheetCurve {
+pub enum ShellCurve {
     /// The straight line between the vertices.
     Line,
     /// Arc of a circle about the frame's z-axis, run counter-clockwise.
@@ -52,11 +52,11 @@ pub enum SheetCurve {
 
 /// A face: a surface and its loops.
 #[derive(Clone, Debug)]
-pub struct SheetFace {
+pub struct ShellFace {
     /// Name of the face.
     pub name: String,
     /// Surface that carries it.
-    pub surface: SheetSurface,
+    pub surface: ShellSurface,
     /// Whether the face's normal is the opposite of the surface's.
     pub reversed: bool,
     /// Loops, outer first, counter-clockwise about the face's normal; holes clockwise.
@@ -76,7 +76,7 @@ pub struct EdgeUse {
 
 /// Surface of a face.
 #[derive(Clone, Debug)]
-pub enum SheetSurface {
+pub enum ShellSurface {
     /// The plane z = 0 of the frame.
     Plane(Frame),
     /// Cylinder about the frame's z-axis.
@@ -142,8 +142,8 @@ impl From<PanelKind> for SurfaceForm {
     }
 }
 
-impl Sheet {
-    /// The same sheet with names that say that it must not be cut.
+impl Shell {
+    /// The same shell with names that say that it must not be cut.
     pub fn marked(mut self) -> Self {
         self.name = titled(&self.name, true);
         for face in &mut self.faces {
@@ -155,20 +155,20 @@ impl Sheet {
     /// One panel: its patch, trimmed by its runs. With `reversed` the normal is turned over (as that of a face
     /// whose normal is −S_u × S_v).
     pub fn of_panel(panel: &Panel, reversed: bool) -> Self {
-        let mut sheet = Self { name: panel.strip.name.clone(), ..Self::default() };
+        let mut shell = Self { name: panel.strip.name.clone(), ..Self::default() };
         let mut loops = Vec::with_capacity(panel.loops().len());
         for runs in panel.loops() {
             let runs: Vec<_> = runs.iter().filter(|r| !r.is_point()).collect();
-            let first = sheet.edges.len();
+            let first = shell.edges.len();
             let mut uses = Vec::with_capacity(runs.len());
             for (i, run) in runs.iter().enumerate() {
                 // Edges are clamped: the first control point is where they begin, without rounding.
-                sheet.vertices.push(Vec3::from(run.edge.control.first().copied().unwrap_or_default()));
+                shell.vertices.push(Vec3::from(run.edge.control.first().copied().unwrap_or_default()));
                 uses.push(EdgeUse { edge: first + i, forward: !reversed, trim: Some(run.trim.clone()) });
-                sheet.edges.push(SheetEdge {
+                shell.edges.push(ShellEdge {
                     start: first + i,
                     end: first + (i + 1) % runs.len(),
-                    curve: SheetCurve::Spline(run.edge.clone()),
+                    curve: ShellCurve::Spline(run.edge.clone()),
                 });
             }
             if reversed {
@@ -176,22 +176,22 @@ impl Sheet {
             }
             loops.push(uses);
         }
-        sheet.faces.push(SheetFace {
+        shell.faces.push(ShellFace {
             name: panel.strip.name.clone(),
-            surface: SheetSurface::Spline { surface: panel.strip.patch.clone(), form: panel.strip.kind.into() },
+            surface: ShellSurface::Spline { surface: panel.strip.patch.clone(), form: panel.strip.kind.into() },
             reversed: panel.mirrored() != reversed,
             loops,
         });
-        sheet
+        shell
     }
 
     /// An untrimmed strip: one face, bounded by its rails and end rulings; a rail that is a point has no edge. Planes
     /// are written as planes.
     pub fn of_strip(strip: &Strip) -> Self {
-        let mut sheet = Self::untrimmed(&strip.name, &strip.patch);
+        let mut shell = Self::untrimmed(&strip.name, &strip.patch);
         let points = [strip.is_point(0), strip.is_point(1)];
-        let Some(face) = sheet.faces.first_mut() else { return sheet };
-        if let SheetSurface::Spline { form, .. } = &mut face.surface {
+        let Some(face) = shell.faces.first_mut() else { return shell };
+        if let ShellSurface::Spline { form, .. } = &mut face.surface {
             *form = strip.kind.into();
         }
         // Rails are the edges 0 and 2; their ends fall together at a point.
@@ -200,7 +200,7 @@ impl Sheet {
                 if let Some(l) = face.loops.first_mut() {
                     l.retain(|u| u.edge != edge);
                 }
-                for e in &mut sheet.edges {
+                for e in &mut shell.edges {
                     for end in [&mut e.start, &mut e.end] {
                         if *end == lose {
                             *end = keep;
@@ -209,21 +209,21 @@ impl Sheet {
                 }
             }
         }
-        let straight = |c: &SheetCurve| matches!(c, SheetCurve::Spline(c) if c.control.len() == 2);
-        for e in &mut sheet.edges {
+        let straight = |c: &ShellCurve| matches!(c, ShellCurve::Spline(c) if c.control.len() == 2);
+        for e in &mut shell.edges {
             if straight(&e.curve) {
-                e.curve = SheetCurve::Line;
+                e.curve = ShellCurve::Line;
             }
         }
         let plane = (strip.kind == PanelKind::Plane).then(|| plane_of(&strip.patch)).flatten();
         if let Some(frame) = plane {
-            face.surface = SheetSurface::Plane(frame);
+            face.surface = ShellSurface::Plane(frame);
             for u in face.loops.iter_mut().flatten() {
                 u.trim = None;
             }
         } else {
             // Lines have their length as parameter; the trims of straight edges would no longer fit.
-            let lines: Vec<bool> = sheet.edges.iter().map(|e| matches!(e.curve, SheetCurve::Line)).collect();
+            let lines: Vec<bool> = shell.edges.iter().map(|e| matches!(e.curve, ShellCurve::Line)).collect();
             for u in face.loops.iter_mut().flatten().filter(|u| lines[u.edge]) {
                 u.trim = None;
             }
@@ -235,11 +235,11 @@ impl Sheet {
             u.edge = number(u.edge);
         }
         let mut k = 0;
-        sheet.edges.retain(|_| {
+        shell.edges.retain(|_| {
             k += 1;
             used.contains(&(k - 1))
         });
-        sheet
+        shell
     }
 
     /// The whole of a clamped spline surface, bounded by its four boundary curves.
@@ -262,22 +262,22 @@ impl Sheet {
             (3, 2, along_u(row - 1), false),
             (0, 3, along_v(0), false),
         ];
-        let mut sheet = Self { name: name.into(), ..Self::default() };
-        sheet.vertices = corners.iter().map(|c| surface.point(c[0], c[1])).collect();
+        let mut shell = Self { name: name.into(), ..Self::default() };
+        shell.vertices = corners.iter().map(|c| surface.point(c[0], c[1])).collect();
         let mut uses = Vec::new();
         for (edge, (start, end, curve, forward)) in sides.into_iter().enumerate() {
             let (a, b) = curve.domain();
             let trim = Curve::new(1, vec![a, a, b, b], vec![corners[start], corners[end]]).ok();
             uses.push(EdgeUse { edge, forward, trim });
-            sheet.edges.push(SheetEdge { start, end, curve: edge_of(curve, surface.rational) });
+            shell.edges.push(ShellEdge { start, end, curve: edge_of(curve, surface.rational) });
         }
-        sheet.faces.push(SheetFace {
+        shell.faces.push(ShellFace {
             name: name.into(),
-            surface: SheetSurface::Spline { surface: surface.clone(), form: SurfaceForm::Unspecified },
+            surface: ShellSurface::Spline { surface: surface.clone(), form: SurfaceForm::Unspecified },
             reversed: false,
             loops: vec![uses],
         });
-        sheet
+        shell
     }
 }
 
@@ -290,9 +290,9 @@ fn plane_of(patch: &Surface) -> Option<Frame> {
     Some(Frame { origin: j.p, x, y: z.cross(&x), z })
 }
 
-fn edge_of(c: Curve<4>, rational: bool) -> SheetCurve {
+fn edge_of(c: Curve<4>, rational: bool) -> ShellCurve {
     if rational {
-        return SheetCurve::Rational(c);
+        return ShellCurve::Rational(c);
     }
-    SheetCurve::Spline(Curve { control: c.control.iter().map(|h| [h[0], h[1], h[2]]).collect(), knots: c.knots })
+    ShellCurve::Spline(Curve { control: c.control.iter().map(|h| [h[0], h[1], h[2]]).collect(), knots: c.knots })
 }

@@ -18,7 +18,7 @@ const HALVINGS: usize = 53;
 
 /// Places across the rulings with what lies between: turn and length since the place before.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Course<K> {
+pub(crate) struct TurnProfile<K> {
     places: Vec<K>,
     turn: Vec<f64>,
     length: Vec<f64>,
@@ -29,7 +29,7 @@ pub(crate) struct Course<K> {
 /// A line that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Place on the course: index of the place before it, and share of the way to the next.
+    /// Place on the profile: index of the place before it, and share of the way to the next.
     pub after: usize,
     /// See `after`.
     pub share: f64,
@@ -42,7 +42,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Place on the course: index and share.
+    /// Place on the profile: index and share.
     pub(crate) fn place(&self) -> f64 {
         self.after as f64 + self.share
     }
@@ -61,7 +61,7 @@ impl Line {
     }
 }
 
-impl<K: Copy> Course<K> {
+impl<K: Copy> TurnProfile<K> {
     /// Nothing yet.
     pub fn new() -> Self {
         Self { places: Vec::new(), turn: Vec::new(), length: Vec::new(), rates: Vec::new() }
@@ -113,12 +113,12 @@ impl<K: Copy> Course<K> {
         Some([*self.places.get(after)?, *self.places.get(after + 1)?])
     }
 
-    /// Length of the course up to a line.
+    /// Length of the profile up to a line.
     pub fn length_at(&self, line: &Line) -> f64 {
         self.at(&self.length, (line.after, line.share))
     }
 
-    /// Length of the course.
+    /// Length of the profile.
     pub fn length(&self) -> f64 {
         self.length.last().copied().unwrap_or(0.0)
     }
@@ -191,7 +191,7 @@ impl<K: Copy> Course<K> {
         out
     }
 
-    /// Lines at given lengths along the course.
+    /// Lines at given lengths along the profile.
     pub fn lines_at(&self, lengths: &[f64], size: f64) -> Vec<Line> {
         let middle = |k: usize| 0.5 * (lengths[k] + lengths[k - 1]);
         let turn = |k: usize| match k {
@@ -212,7 +212,7 @@ impl<K: Copy> Course<K> {
         lengths.iter().enumerate().map(|(k, &l)| self.line(place(l), turn(k + 1) - turn(k), size)).collect()
     }
 
-    /// Length between two places of the course.
+    /// Length between two places of the profile.
     pub(super) fn length_between(&self, ends: [f64; 2]) -> f64 {
         let [a, b] = ends.map(|x| self.at(&self.length, self.split(x)));
         (b - a).abs()
@@ -224,17 +224,17 @@ impl<K: Copy> Course<K> {
         b.turned - a.turned - half(a) - half(b)
     }
 
-    /// An end of the course as if there were a line.
+    /// An end of the profile as if there were a line.
     pub(super) fn end(&self, last: bool) -> Line {
         self.bare(if last { (self.places.len() - 2, 1.0) } else { (0, 0.0) })
     }
 
-    /// A line half way between two places; its turn is found by [`Course::parted`].
+    /// A line half way between two places; its turn is found by [`TurnProfile::parted`].
     pub(super) fn halfway(&self, [a, b]: [f64; 2]) -> Line {
         self.bare(self.split(0.5 * (a + b)))
     }
 
-    /// A line within a step, such as one from a piece of the part to the next; its turn is found by [`Course::parted`].
+    /// A line within a step, such as one from a piece of the part to the next; its turn is found by [`TurnProfile::parted`].
     pub(crate) fn within(&self, step: usize) -> Line {
         self.bare((step, 0.5))
     }
@@ -289,8 +289,8 @@ mod tests {
     use super::*;
 
     /// A flat stretch, a bend through `turn` on 10 mm, a flat stretch; 110 mm long.
-    fn bent(turn: f64) -> Course<f64> {
-        let mut c = Course::new();
+    fn bent(turn: f64) -> TurnProfile<f64> {
+        let mut c = TurnProfile::new();
         c.push(0.0, (0.0, None), 0.0);
         for k in 1..=220 {
             let x = 0.5 * k as f64;
@@ -346,7 +346,7 @@ mod tests {
 
     #[test]
     fn facets_fold_in_their_common_edge() {
-        let mut c = Course::new();
+        let mut c = TurnProfile::new();
         for (x, turn, length) in [(0.0, 0.0, 0.0), (1.0, 0.0, 50.0), (1.0, 0.4, 0.0), (2.0, 0.0, 50.0)] {
             c.push(x, (turn, None), length);
         }

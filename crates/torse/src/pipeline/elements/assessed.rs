@@ -75,7 +75,13 @@ pub(super) struct Made {
 }
 
 /// Judges and develops strips.
-pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, control: &Control, clock: Instant) -> Answer {
+pub(super) fn assessed(
+    made: Made,
+    sort: Sort,
+    options: &ElementFitOptions,
+    control: &Control,
+    clock: Instant,
+) -> Answer {
     let Made { strips, all, became, skipped, ends } = made;
     let what = sort.many();
     control.report("proving", 0.7, format!("{} {what}", all.len()));

@@ -1,3 +1,0 @@
-//! Functions whose level curves bound strips.
-
-pub mod strip_potential;
