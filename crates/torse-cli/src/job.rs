@@ -154,7 +154,7 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         let how = if c.is_unknown() { String::new() } else { format!(" ({})", words::evidence(c.evidence())) };
         writeln!(out, "  {name}{beside}: {}{how}", words::value(c))?;
     }
-    for face in answer.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
+    for face in answer.patchwork().faces.iter().filter(|f| !f.parts.is_empty()) {
         let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
         writeln!(out, "  covered as one: {}", parts.join(" + "))?;
     }

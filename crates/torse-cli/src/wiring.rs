@@ -110,10 +110,10 @@ pub fn cones(model: &Model, options: &ConesOptions, control: &Control) -> Result
 /// Runs the job of cone splines on the panels of the main job: what the panels leave of the whole tolerance (mm) is
 /// theirs, so that cones keep the whole tolerance to the surface.
 pub fn cones_of_panels(answer: &Answer, whole: f64, drawn: Drawn, control: &Control) -> Result<Answer, Failure> {
-    let used = answer.certificate.as_ref().map_or(f64::INFINITY, |c| c.deviation_bound);
-    let tolerance = if used < whole { whole - used } else { whole - answer.tolerance };
+    let used = answer.certificate().map_or(f64::INFINITY, |c| c.deviation_bound);
+    let tolerance = if used < whole { whole - used } else { whole - answer.tolerance() };
     let options = ConesOptions { drawn, ..ConesOptions::new(tolerance, answer.input.clone()) };
-    let mut cones = cone_pipeline::of_panels(&answer.patchwork, &answer.skipped, &options, control)
+    let mut cones = cone_pipeline::of_panels(answer.patchwork(), &answer.skipped, &options, control)
         .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))?;
     // Cones near panels are no nearer to the surface than these.
     if answer.status() == Status::Uncertified {
@@ -126,7 +126,7 @@ pub fn cones_of_panels(answer: &Answer, whole: f64, drawn: Drawn, control: &Cont
 /// The bending of cone splines into the plane: an animation and a strip of pictures.
 pub fn bending_files(answer: &Answer) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     const STAGES: usize = 16;
-    let Some(cones) = &answer.cones else { return Ok(Vec::new()) };
+    let Some(cones) = &answer.cones() else { return Ok(Vec::new()) };
     let shown = present(answer);
     let stages = cone_shapes::bending(cones, &shown, STAGES);
     let eye = cone_shapes::bending_direction(cones, &shown);
@@ -135,7 +135,7 @@ pub fn bending_files(answer: &Answer) -> Result<Vec<(String, Vec<u8>)>, Failure>
 
 /// Inner, neutral and outer surfaces of sheets with a thickness (mm).
 pub fn thickness_files(answer: &Answer, thickness: f64) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let Some(cones) = &answer.cones else { return Ok(Vec::new()) };
+    let Some(cones) = &answer.cones() else { return Ok(Vec::new()) };
     let surfaces = cone_shapes::thick(&cones.bodies, thickness)
         .map_err(|e| Failure::new(e.to_string(), "give a smaller --thickness, or leave it out"))?;
     let scene = cone_shapes::scene(&surfaces, Marks::of(answer).any());

@@ -72,14 +72,14 @@ fn cover_with_proofs(bencher: divan::Bencher) {
 /// The last proof, of panels as they are written.
 #[divan::bench(sample_count = 10)]
 fn certificate(bencher: divan::Bencher) {
-    let patchwork = &answer().patchwork;
+    let patchwork = &answer().patchwork();
     bencher.bench(|| certify::patchwork(patchwork, TOLERANCE, &Control::default()).deviation_bound);
 }
 
 /// Flat patterns of all panels.
 #[divan::bench(sample_count = 10)]
 fn development(bencher: divan::Bencher) {
-    let patchwork = &answer().patchwork;
+    let patchwork = &answer().patchwork();
     let options = PatternOptions::new(0.05 * TOLERANCE);
     let one = |k| pattern(patchwork, k, &options).expect("a pattern").width;
     bencher.bench(|| (0..patchwork.panels.len()).map(one).sum::<f64>());

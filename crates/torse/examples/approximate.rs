@@ -15,11 +15,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, bytes) in files(&mut answer, "2026-01-31T12:00:00")? {
         std::fs::write(format!("{folder}/{name}"), bytes)?;
     }
-    println!("{:?}: {} panels", answer.status(), answer.patchwork.panels.len());
-    for (panel, proof) in answer.strips().zip(answer.certificate.iter().flat_map(|c| &c.panels)) {
+    println!("{:?}: {} panels", answer.status(), answer.patchwork().panels.len());
+    for (panel, proof) in answer.strips().zip(answer.certificate().iter().flat_map(|c| &c.panels)) {
         println!("{}: within {:.3} mm, bends to {:.0} mm", panel.name, proof.deviation_bound, proof.min_bend_radius);
     }
-    for pattern in &answer.patterns {
+    for pattern in answer.patterns() {
         println!("{}: {:.0} x {:.0} mm of sheet", pattern.name, pattern.length, pattern.width);
     }
     Ok(())

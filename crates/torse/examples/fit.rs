@@ -16,6 +16,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, bytes) in files(&mut answer, "2026-01-31T12:00:00")? {
         std::fs::write(format!("{folder}/{name}"), bytes)?;
     }
-    println!("{:?}: {} strips for {} points", answer.status(), answer.patchwork.panels.len(), scan.points.len());
+    println!("{:?}: {} strips for {} points", answer.status(), answer.patchwork().panels.len(), scan.points.len());
     Ok(())
 }

@@ -18,6 +18,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, bytes) in files(&mut answer, "2026-01-31T12:00:00")? {
         std::fs::write(format!("{folder}/{name}"), bytes)?;
     }
-    println!("{:?}: {} strips in {} parts", answer.status(), answer.patchwork.panels.len(), answer.parts.len());
+    println!("{:?}: {} strips in {} parts", answer.status(), answer.patchwork().panels.len(), answer.parts.len());
     Ok(())
 }

@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = std::env::args().nth(1).ok_or("usage: ruled FILE")?;
     let model = torse::read(&std::fs::read(&file)?)?;
     let found = torse::ruled(model.faces, model.skipped, &RuledOptions::new(10.0), &Control::default())?;
-    println!("{:?}: {} strips", found.answer.status(), found.answer.patchwork.panels.len());
+    println!("{:?}: {} strips", found.answer.status(), found.answer.patchwork().panels.len());
     for claim in found.answer.claims() {
         println!("{:?}: {:.4} ({:?})", claim.what(), claim.value(), claim.evidence());
     }

@@ -23,7 +23,7 @@
 //! for (name, bytes) in torse::files(&mut answer, "2026-01-31T12:00:00")? {
 //!     std::fs::write(name, bytes)?;
 //! }
-//! println!("{:?}: {} panels", answer.status(), answer.patchwork.panels.len());
+//! println!("{:?}: {} panels", answer.status(), answer.patchwork().panels.len());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -43,8 +43,8 @@ fn approximated(surfaces: Vec<Surface>, reversed: &[bool], tolerance: f64) -> An
 
 /// Numbers of panels, of seams inside faces and of joints between faces; all that meets is looked at again.
 fn counted(answer: &Answer) -> [usize; 3] {
-    let p = &answer.patchwork;
-    let certificate = answer.certificate.as_ref().expect("a certificate");
+    let p = answer.patchwork();
+    let certificate = answer.certificate().expect("a certificate");
     assert!(certificate.is_of(p));
     for (s, proof) in p.seams().iter().zip(&certificate.seams).filter(|s| s.0.seam as usize >= p.seam_count) {
         assert!(s.is_shared() && proof.status == SeamStatus::Exact && proof.panels == s.sides.map(|s| s.panel));
@@ -64,7 +64,7 @@ fn counted(answer: &Answer) -> [usize; 3] {
         assert!((lengths[0] - lengths[1]).abs() < 1e-6 * lengths[0], "{lengths:?}");
         // Marks with one label on both sides.
         let marked = |panel: usize| {
-            let pattern = answer.patterns.iter().find(|p| p.panel == panel).expect("a pattern");
+            let pattern = answer.patterns().iter().find(|p| p.panel == panel).expect("a pattern");
             let of = |l: &&str| l.starts_with(&format!("S{}.", s.seam));
             let mut labels: Vec<&str> = pattern.marks.iter().map(|m| m.label.as_str()).filter(of).collect();
             labels.sort_unstable();
@@ -84,7 +84,7 @@ fn panels_of_two_faces_end_in_one_edge_however_these_are_oriented() {
     faces[1] = faces[1].reversed_u();
     let answer = approximated(faces, &[false, true], 3.0);
     assert_eq!(counted(&answer), [2, 0, 1]);
-    let seams = answer.patchwork.seams();
+    let seams = answer.patchwork().seams();
     assert!(!seams[0].turned);
 }
 
@@ -93,7 +93,7 @@ fn edges_of_three_faces_end_in_one_point() {
     let answer = approximated(cube([2.5, 2.0, 2.5], 3), &[false; 3], 3.0);
     assert_eq!(counted(&answer), [3, 0, 3]);
     // Each edge ends in the corner, bit by bit.
-    let joints = answer.patchwork.seams();
+    let joints = answer.patchwork().seams();
     let ends = |k: usize| {
         let c = &joints[k].sides[0].run.edge.control;
         [c[0].map(f64::to_bits), c[c.len() - 1].map(f64::to_bits)]
@@ -107,7 +107,7 @@ fn a_seam_ends_on_the_edge_with_another_face() {
     let answer = approximated(cube([14.0, 3.0, 0.0], 2), &[false; 2], 3.0);
     let [panels, seams, joints] = counted(&answer);
     assert!(panels > 2 && seams == panels - 2 && joints >= 1, "{panels} {seams} {joints}");
-    let exact = answer.certificate.iter().flat_map(|c| &c.seams).filter(|s| s.status == SeamStatus::Exact).count();
+    let exact = answer.certificate().iter().flat_map(|c| &c.seams).filter(|s| s.status == SeamStatus::Exact).count();
     assert_eq!(exact, seams + joints);
 }
 
@@ -115,10 +115,10 @@ fn a_seam_ends_on_the_edge_with_another_face() {
 fn a_joint_whose_sides_come_apart_is_not_exact() {
     let answer = approximated(cube([4.0, 3.0, 0.0], 2), &[false; 2], 3.0);
     let judged = |change: &dyn Fn(&mut Panel)| {
-        let mut p = answer.patchwork.clone();
+        let mut p = answer.patchwork().clone();
         change(&mut p.panels[1]);
         let whole = certify::patchwork(&p, 3.0, &Control::default());
-        (whole.seams.first().map(|s| s.status), whole.certified, answer.certificate.iter().all(|c| c.is_of(&p)))
+        (whole.seams.first().map(|s| s.status), whole.certified, answer.certificate().iter().all(|c| c.is_of(&p)))
     };
     assert_eq!(judged(&|_| ()), (Some(SeamStatus::Exact), true, true));
     let joint = |p: &mut Panel, change: &dyn Fn(&mut Coedge)| {
@@ -168,10 +168,11 @@ fn panels_of_faces_that_turn_little_end_in_one_edge() {
         let [panels, seams, joints] = counted(&answer);
         let alone = |k: usize| {
             let answer = approximated(vec![chine(turns).swap_remove(k)], &[false], 4.0);
-            answer.patchwork.panels.len()
+            answer.patchwork().panels.len()
         };
         assert_eq!(panels, alone(0) + alone(1));
-        let exact = answer.certificate.iter().flat_map(|c| &c.seams).filter(|s| s.status == SeamStatus::Exact).count();
+        let exact =
+            answer.certificate().iter().flat_map(|c| &c.seams).filter(|s| s.status == SeamStatus::Exact).count();
         assert!(joints >= 1 && exact == seams + joints, "{turns:?}: {panels} {seams} {joints} {exact}");
     }
 }

@@ -171,22 +171,22 @@ fn a_small_model_is_certified_and_lies_flat() {
     let o = torus();
     assert_eq!(o.status(), Status::Certified);
     assert!(
-        o.certificate.as_ref().expect("a certificate").certified
-            && o.certificate.as_ref().expect("a certificate").covered
-            && o.certificate.as_ref().expect("a certificate").missing.is_empty()
+        o.certificate().expect("a certificate").certified
+            && o.certificate().expect("a certificate").covered
+            && o.certificate().expect("a certificate").missing.is_empty()
     );
     assert!(
-        o.certificate.as_ref().expect("a certificate").deviation_bound <= TOLERANCE
-            && o.certificate.as_ref().expect("a certificate").deviation_bound > 0.0
+        o.certificate().expect("a certificate").deviation_bound <= TOLERANCE
+            && o.certificate().expect("a certificate").deviation_bound > 0.0
     );
-    assert!(o.patchwork.panels.len() >= 2 && o.patterns.len() == o.patchwork.panels.len());
-    for (p, c) in o.patterns.iter().zip(&o.certificate.as_ref().expect("a certificate").panels) {
+    assert!(o.patchwork().panels.len() >= 2 && o.patterns().len() == o.patchwork().panels.len());
+    for (p, c) in o.patterns().iter().zip(&o.certificate().expect("a certificate").panels) {
         assert!((p.area / p.area_in_space - 1.0).abs() < 1e-6, "{}: {} and {}", p.name, p.area, p.area_in_space);
         assert!(p.isometry_error < 1e-6, "{}: {}", p.name, p.isometry_error);
         assert!(
             c.certified
                 && c.regression_clearance > 0.0
-                && c.deviation_bound <= o.certificate.as_ref().expect("a certificate").deviation_bound
+                && c.deviation_bound <= o.certificate().expect("a certificate").deviation_bound
         );
     }
 }
@@ -194,15 +194,15 @@ fn a_small_model_is_certified_and_lies_flat() {
 #[test]
 fn dense_samples_never_exceed_the_bound_in_either_direction() {
     let o = torus();
-    let face = &o.patchwork.faces[0].surface;
+    let face = &o.patchwork().faces[0].surface;
     let mut worst = 0.0_f64;
-    for (panel, proof) in o.patchwork.panels.iter().zip(&o.certificate.as_ref().expect("a certificate").panels) {
+    for (panel, proof) in o.patchwork().panels.iter().zip(&o.certificate().expect("a certificate").panels) {
         let d = panel_to_face(panel, face);
         assert!(d <= proof.deviation_bound, "{}: {d} exceeds {}", panel.strip.name, proof.deviation_bound);
         worst = worst.max(d);
     }
-    let back = face_to_panels(face, &o.patchwork.panels);
-    let bound = o.certificate.as_ref().expect("a certificate").deviation_bound;
+    let back = face_to_panels(face, &o.patchwork().panels);
+    let bound = o.certificate().expect("a certificate").deviation_bound;
     assert!(back <= bound, "{back} exceeds {bound}");
     // A bound far above what is there would pass for nothing; one that samples nearly reach means something.
     assert!(worst.max(back) > 0.5 * bound, "{worst} and {back} against {bound}");
@@ -239,8 +239,8 @@ fn judged(patchwork: &Patchwork) -> certify::Certificate {
 #[test]
 fn a_panel_moved_by_twice_the_tolerance_is_refused_with_a_witness() {
     let o = torus();
-    for k in 0..o.patchwork.panels.len() {
-        let mut changed = o.patchwork.clone();
+    for k in 0..o.patchwork().panels.len() {
+        let mut changed = o.patchwork().clone();
         let normal = {
             let p = &changed.panels[k];
             let q = p.loops()[0][0].trim.point(0.5);
@@ -252,23 +252,23 @@ fn a_panel_moved_by_twice_the_tolerance_is_refused_with_a_witness() {
         let (_, d) = c.panels[k].witness.expect("a witness");
         assert!(d.abs() > TOLERANCE, "{d}");
     }
-    assert!(judged(&o.patchwork).certified);
+    assert!(judged(o.patchwork()).certified);
 }
 
 #[test]
 fn numbers_rounded_for_export_are_part_of_the_bound() {
     let o = torus();
     // Control points of the exported patch to whole eighths of a millimetre, the torse left as it was.
-    let mut coarse = o.patchwork.clone();
+    let mut coarse = o.patchwork().clone();
     for c in coarse.panels.iter_mut().flat_map(|p| &mut p.strip.patch.control) {
         for k in 0..3 {
             c[k] = (c[k] / c[3] * 8.0).round() / 8.0 * c[3];
         }
     }
-    let fine = judged(&o.patchwork);
+    let fine = judged(o.patchwork());
     let c = judged(&coarse);
     for ((panel, was), (before, now)) in
-        coarse.panels.iter().zip(&o.patchwork.panels).zip(fine.panels.iter().zip(&c.panels))
+        coarse.panels.iter().zip(&o.patchwork().panels).zip(fine.panels.iter().zip(&c.panels))
     {
         let ((t0, t1), _) = panel.strip.patch.domain();
         let mut gap = 0.0_f64;
@@ -292,12 +292,12 @@ fn too_few_panels_end_uncertified_with_witness_and_panels() {
     assert_eq!(o.status(), Status::Uncertified, "one panel cannot be certified");
     let reason = words::reason(o.claims(), &[]);
     assert!(!reason.is_empty());
-    assert_eq!((o.patchwork.panels.len(), o.patterns.len()), (1, 1));
-    let (uv, d) = o.certificate.as_ref().expect("a certificate").panels[0].witness.expect("a witness");
+    assert_eq!((o.patchwork().panels.len(), o.patterns().len()), (1, 1));
+    let (uv, d) = o.certificate().expect("a certificate").panels[0].witness.expect("a witness");
     assert!(d.abs() > TOLERANCE, "{d}");
     // The witness is a place where the panel is indeed too far away.
-    let x = o.patchwork.faces[0].surface.point(uv[0], uv[1]);
-    assert!(nearest(&o.patchwork.panels[0].strip.patch, &x, [60, 8]).1 > TOLERANCE);
+    let x = o.patchwork().faces[0].surface.point(uv[0], uv[1]);
+    assert!(nearest(&o.patchwork().panels[0].strip.patch, &x, [60, 8]).1 > TOLERANCE);
 }
 
 #[test]
@@ -310,14 +310,11 @@ fn cancelled_work_answers_with_what_it_has() {
     let reason = words::reason(o.claims(), &[]);
     assert!(reason.contains("ended early"), "{reason}");
     // A cover of the whole face with a bound that holds, far from what was asked for, and nothing of it to be cut.
-    let bound = o.certificate.as_ref().expect("a certificate").deviation_bound;
-    assert!(
-        o.certificate.as_ref().expect("a certificate").covered && bound > 0.5 && bound < 0.07 * 850.0 * 2.0,
-        "{bound}"
-    );
+    let bound = o.certificate().expect("a certificate").deviation_bound;
+    assert!(o.certificate().expect("a certificate").covered && bound > 0.5 && bound < 0.07 * 850.0 * 2.0, "{bound}");
     assert!(Marks::of(&o).panels.iter().all(|m| *m));
-    let face = &o.patchwork.faces[0].surface;
-    assert!(face_to_panels(face, &o.patchwork.panels) <= bound);
+    let face = &o.patchwork().faces[0].surface;
+    assert!(face_to_panels(face, &o.patchwork().panels) <= bound);
 }
 
 /// A cylinder, a cone: no search is cut short, and half a proof is none.
@@ -327,8 +324,8 @@ fn what_is_developable_is_covered_and_proven_though_time_is_up() {
     control.cancel();
     let model = read(CONE).expect("a model");
     let o = of_faces(model.faces, model.skipped, &options(0.5), &control).expect("an answer");
-    let certificate = o.certificate.as_ref().expect("a certificate");
-    assert!(certificate.certified && o.patchwork.panels.len() == 1, "{:?}", certificate.panels[0].reason);
+    let certificate = o.certificate().expect("a certificate");
+    assert!(certificate.certified && o.patchwork().panels.len() == 1, "{:?}", certificate.panels[0].reason);
 }
 
 /// Time that runs out at some moment: whatever was reached covers the whole face and has a bound.
@@ -339,10 +336,10 @@ fn limited_time_gives_a_whole_cover_with_its_bound() {
     let control = Control::default().until(limit);
     let o = of_faces(model.faces, model.skipped, &options(0.002), &control).expect("an answer");
     assert!(
-        o.certificate.as_ref().expect("a certificate").covered
-            && o.certificate.as_ref().expect("a certificate").deviation_bound.is_finite(),
+        o.certificate().expect("a certificate").covered
+            && o.certificate().expect("a certificate").deviation_bound.is_finite(),
         "{:?}",
-        o.certificate.as_ref().expect("a certificate").missing
+        o.certificate().expect("a certificate").missing
     );
     assert!(o.status() != Status::Certified && Marks::of(&o).any());
 }
@@ -352,7 +349,7 @@ fn limited_time_gives_a_whole_cover_with_its_bound() {
 #[test]
 fn what_must_not_be_cut_is_marked_in_every_file() {
     let mut o = torus().clone();
-    let count = o.patchwork.panels.len();
+    let count = o.patchwork().panels.len();
     assert!(count > 1 && !Marks::of(&o).any());
     let mut stopped = o.clone();
     stopped.object(JobReason::Stopped);
@@ -395,7 +392,7 @@ fn strips_follow_a_direction_and_a_guide() {
         let layout = Layout { guide: Some(guide), ..Layout::default() };
         let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
-        let seams = o.patchwork.seams();
+        let seams = o.patchwork().seams();
         assert!(!seams.is_empty());
         for seam in seams {
             let edge = &seam.sides[0].run.edge;
@@ -424,8 +421,8 @@ fn seams_along_curves_are_kept() {
         let layout = Layout { seam_curves, ..Layout::default() };
         let o = run(TORUS, &Options { layout, meet, ..options(2.0 * TOLERANCE) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
-        assert!(o.patchwork.panels.len() >= 2);
-        for panel in &o.patchwork.panels {
+        assert!(o.patchwork().panels.len() >= 2);
+        for panel in &o.patchwork().panels {
             // Where the panel's border lies over the face: along u, mm at least.
             let speed = face.surface.jet(u, v(0.5)).du.norm();
             let along = trims(panel).into_iter().flatten().map(|p| {
@@ -445,7 +442,7 @@ fn seams_along_curves_are_kept() {
     let layout = Layout { seam_curves: vec![PanelCurve { name: "a loop".into(), shape }], ..Layout::default() };
     let o =
         of_faces(vec![plane], Vec::new(), &Options { layout, ..options(0.1) }, &Control::default()).expect("an answer");
-    assert_eq!((o.status(), o.patchwork.panels.len()), (Status::Certified, 2), "{:?}", o.claims());
+    assert_eq!((o.status(), o.patchwork().panels.len()), (Status::Certified, 2), "{:?}", o.claims());
 
     let shape = CurveShape::Section { normal: Vec3::x(), offset: 1e6 };
     let layout = Layout { seam_curves: vec![PanelCurve { name: "the seam".into(), shape }], ..Layout::default() };
@@ -460,7 +457,7 @@ fn seams_that_are_asked_for_are_kept() {
     for (meet, tolerance) in [(false, TOLERANCE), (true, 4.0 * TOLERANCE)] {
         let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
-        for panel in &o.patchwork.panels {
+        for panel in &o.patchwork().panels {
             let heights =
                 trims(panel).into_iter().flatten().map(|p| panel.strip.patch.point(p[0], p[1]).x - plane.offset);
             let (lo, hi) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
@@ -484,7 +481,7 @@ fn rings_run_around_the_middle() {
     assert_eq!(o.status(), Status::Certified);
     // The middle of the piece, on its outer equator.
     let middle = Vec3::new(850.0 * 0.5f64.sqrt(), 850.0 * 0.5f64.sqrt(), 0.0);
-    let seams = o.patchwork.seams();
+    let seams = o.patchwork().seams();
     let closest = |s: &torse::patchwork::seam::Seam| {
         let edge = &s.sides[0].run.edge;
         (0..=20).map(|i| (Vec3::from(edge.point(f64::from(i) / 20.0)) - middle).norm()).fold(f64::INFINITY, f64::min)
@@ -504,7 +501,7 @@ fn panels_along_a_curve_go_on_until_the_face_is_covered() {
     let o = panels_along(CurveShape::AlongU(0.5), TOLERANCE).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     // Envelopes of tangent planes need about √2 times as many panels as best fits, which are two here.
-    assert!(o.patchwork.panels.len() <= 3, "{}", o.patchwork.panels.len());
+    assert!(o.patchwork().panels.len() <= 3, "{}", o.patchwork().panels.len());
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
     let widest = o.along.iter().map(|a| a.paper_estimate).fold(0.0, f64::max);
     assert!(widest > 0.5 * TOLERANCE && widest <= TOLERANCE, "{widest}");
@@ -516,7 +513,7 @@ fn panels_along_a_curve_go_on_until_the_face_is_covered() {
 fn strips_in_the_direction_of_a_curve_are_the_other_answer() {
     let o = panels_along(CurveShape::AlongU(0.5), 5.0).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
-    assert!(o.patchwork.panels.len() <= 4, "{}", o.patchwork.panels.len());
+    assert!(o.patchwork().panels.len() <= 4, "{}", o.patchwork().panels.len());
     assert!(matches!(&o.notes[..], [torse::answer::note::Note::DirectionOf { curve }] if curve == "the curve"));
     assert!(o.along.len() == 1 && o.along[0].step == 0 && o.along[0].curve == "the curve", "{:?}", o.along);
 }
@@ -587,8 +584,8 @@ fn written_panels_are_read_back_face_by_face() {
     // The reader's chords are kept short enough for the area.
     let back = read_with(step, &ReadOptions { chord_tolerance: Some(1e-5) }).expect("our own file");
     assert!(back.skipped.is_empty() && back.notes.is_empty(), "{:?} {:?}", back.skipped, back.notes);
-    assert_eq!(back.faces.len(), o.patchwork.panels.len());
-    for (face, (panel, pattern)) in back.faces.iter().zip(o.patchwork.panels.iter().zip(&o.patterns)) {
+    assert_eq!(back.faces.len(), o.patchwork().panels.len());
+    for (face, (panel, pattern)) in back.faces.iter().zip(o.patchwork().panels.iter().zip(o.patterns())) {
         assert_eq!(face.name, panel.strip.name);
         let area = area_by_rulings(face);
         assert!(
@@ -604,8 +601,8 @@ fn written_panels_are_read_back_face_by_face() {
 fn a_cone_with_holes_is_one_panel() {
     let o = run(CONE, &options(1.0)).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
-    assert_eq!(o.patchwork.panels.len(), 1);
-    assert!(o.patchwork.panels[0].loops().len() >= 2, "holes are kept");
+    assert_eq!(o.patchwork().panels.len(), 1);
+    assert!(o.patchwork().panels[0].loops().len() >= 2, "holes are kept");
 }
 
 /// Bands across an arch need 4√ε each in the metric of its curvature; along them run six waves, over which fits with the
@@ -625,7 +622,7 @@ fn bands_run_over_waves_as_far_as_the_face_goes() {
     let answer = of_faces(vec![face], Vec::new(), &apart(0.5), &Control::default()).expect("an answer");
     assert_eq!(answer.status(), Status::Certified);
     // 300 √(1/1000) / (4 √0.5) = 3.4.
-    assert!(answer.patchwork.panels.len() <= 4, "{}", answer.patchwork.panels.len());
+    assert!(answer.patchwork().panels.len() <= 4, "{}", answer.patchwork().panels.len());
 }
 
 #[test]
@@ -637,7 +634,7 @@ fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the
     let why = words::reason(out.claims(), &[]);
     assert!(why.contains("attempts whose panels bend with a radius of 20000 mm"), "{why}");
     // Deviation and cover are proven; only the bends are sharper than asked for.
-    let certificate = out.certificate.as_ref().expect("a certificate");
+    let certificate = out.certificate().expect("a certificate");
     assert!(certificate.covered && certificate.deviation_bound <= TOLERANCE, "{}", certificate.deviation_bound);
     assert!(!out.beyond_limits.is_empty());
 }

@@ -35,8 +35,8 @@ fn a_pipe_with_holes_is_one_panel_at_any_tolerance() {
     let model = torse::io::step::read::read(PIPE).expect("a model");
     for tolerance in [0.5, 0.01] {
         let out = panels(model.faces.clone(), tolerance);
-        assert_eq!(out.patchwork.panels.len(), 1);
-        let (proof, flat) = (&out.certificate.as_ref().expect("a certificate").panels[0], &out.patterns[0]);
+        assert_eq!(out.patchwork().panels.len(), 1);
+        let (proof, flat) = (&out.certificate().expect("a certificate").panels[0], &out.patterns()[0]);
         assert!((249.0..=250.0).contains(&proof.min_bend_radius), "{}", proof.min_bend_radius);
         assert!(flat.bends.iter().all(|b| b.radii.iter().all(|r| (r - 250.0).abs() < 0.1)), "{:?}", flat.bends);
         assert!(proof.deviation_bound < 0.7 * tolerance, "{}", proof.deviation_bound);
@@ -53,7 +53,7 @@ fn a_pipe_that_just_keeps_a_bending_radius_is_one_panel() {
         let mut options = torse::Approximate::new(0.5);
         options.limits.min_bend_radius = Some(radius);
         let out = torse::approximate(&model, &options).expect("an answer");
-        assert_eq!((out.patchwork.panels.len(), out.status() == torse::Status::Certified), (1, kept), "{radius}");
+        assert_eq!((out.patchwork().panels.len(), out.status() == torse::Status::Certified), (1, kept), "{radius}");
     }
 }
 
@@ -65,11 +65,11 @@ fn a_frustum_of_three_faces_is_three_cones() {
         .map(|k| Face::untrimmed(part(&cone, (k as f64 * third, (k + 1) as f64 * third), (0.0, 150.0))))
         .collect();
     let out = panels(faces, 0.02);
-    assert_eq!(out.patchwork.panels.len(), 3);
+    assert_eq!(out.patchwork().panels.len(), 3);
     // A sector of the development: angles shrink by the sine of the half angle.
     let sine = 0.5 / 1.25f64.sqrt();
     let (inner, outer) = (100.0 / sine, 175.0 / sine);
-    for p in &out.patterns {
+    for p in out.patterns() {
         let area = 0.5 * third * sine * (outer * outer - inner * inner);
         assert!((p.area - area).abs() < 1e-4 * area, "{} {area}", p.area);
     }
@@ -86,7 +86,7 @@ fn a_wavy_extrusion_is_one_panel() {
     let s = Surface::new(k, line, &both, None).expect("a surface");
     for s in [s.clone(), s.transposed().elevated_u().expect("elevated")] {
         let out = panels(vec![Face::untrimmed(s)], 0.01);
-        assert_eq!(out.patchwork.panels.len(), 1);
+        assert_eq!(out.patchwork().panels.len(), 1);
     }
 }
 
@@ -99,7 +99,7 @@ fn an_uneven_wave_is_one_panel() {
     let both: Vec<Vec3> =
         net.iter().map(|p| Vec3::new(p[0], 0.0, p[1])).flat_map(|p| [p, p + Vec3::new(30.0, 250.0, 20.0)]).collect();
     let out = panels(vec![Face::untrimmed(Surface::new(k, line, &both, None).expect("a surface"))], 0.05);
-    assert_eq!(out.patchwork.panels.len(), 1);
+    assert_eq!(out.patchwork().panels.len(), 1);
 }
 
 /// An omega profile turns through more than half a circle and back: it is the graph of no function.
@@ -141,8 +141,8 @@ fn an_omega_profile_is_one_panel() {
     for face in [Face::untrimmed(s.clone()), Face::untrimmed(s.transposed()), round] {
         for tolerance in [0.5, 0.01] {
             let out = panels(vec![face.clone()], tolerance);
-            assert_eq!(out.patchwork.panels.len(), 1);
-            let flat = &out.patterns[0];
+            assert_eq!(out.patchwork().panels.len(), 1);
+            let flat = &out.patterns()[0];
             let sides = [flat.length.max(flat.width), flat.length.min(flat.width)];
             assert!(
                 (sides[0] - length.max(400.0)).abs() < 0.01 && (sides[1] - length.min(400.0)).abs() < 0.01,
@@ -169,7 +169,7 @@ fn a_tangent_surface_of_a_curve_is_one_panel() {
     let points: Vec<Vec3> = a.iter().zip(&b).flat_map(|(p, q)| [*p, *q]).collect();
     let s = Surface::new(knots, line, &points, None).expect("a surface");
     let out = panels(vec![Face::untrimmed(s)], 0.01);
-    assert_eq!(out.patchwork.panels.len(), 1);
+    assert_eq!(out.patchwork().panels.len(), 1);
 }
 
 /// Plane, bend and plane of a bent plate: 60 mm and 40 mm with an inner radius of 5 mm between, 30 mm wide.
@@ -189,14 +189,14 @@ fn bracket(turn: f64) -> Vec<Face> {
 fn a_bent_bracket_keeps_its_planes_and_its_bend() {
     for (turn, tolerance) in [(0.5 * PI, 2.0), (0.5 * PI, 0.01), (PI, 0.1)] {
         let out = panels(bracket(turn), tolerance);
-        let flat: f64 = out.patterns.iter().map(|p| p.area).sum();
+        let flat: f64 = out.patterns().iter().map(|p| p.area).sum();
         let want = 30.0 * (100.0 + 5.0 * turn);
         assert!((flat - want).abs() < 1e-3 * want, "{flat} {want}");
         // The planes and the bend keep their edges, and bend lines are in the bend alone.
-        assert_eq!(out.patchwork.panels.len(), 3);
-        let bent: Vec<usize> = out.patterns.iter().map(|p| p.bends.len()).collect();
+        assert_eq!(out.patchwork().panels.len(), 3);
+        let bent: Vec<usize> = out.patterns().iter().map(|p| p.bends.len()).collect();
         assert!(bent[0] == 0 && bent[1] > 5 && bent[2] == 0, "{bent:?}");
-        assert!(out.patterns[1].bends.iter().all(|b| b.radii.iter().all(|r| (r - 5.0).abs() < 0.01)));
+        assert!(out.patterns()[1].bends.iter().all(|b| b.radii.iter().all(|r| (r - 5.0).abs() < 0.01)));
     }
 }
 
@@ -206,7 +206,7 @@ fn turns_of_more_than_a_half_circle_are_one_panel() {
     let ellipse = SpaceCurve::Ellipse { frame: tilted, a: 80.0, b: 50.0 };
     let tube = SupportSurface::Extrusion { directrix: ellipse, direction: Vec3::new(0.1, 0.2, 1.0) };
     let out = panels(vec![Face::untrimmed(part(&tube, (0.0, 1.9 * PI), (0.0, 100.0)))], 0.01);
-    assert_eq!(out.patchwork.panels.len(), 1);
+    assert_eq!(out.patchwork().panels.len(), 1);
 }
 
 /// Corners of outlines and holes that share a coordinate but for its last digits, as files with chamfered caps have them.
@@ -235,7 +235,7 @@ fn corners_in_line_but_for_rounding_are_in_line() {
     ];
     let trim = |points: Vec<[f64; 2]>| TrimLoop { edge: (0..points.len() as u32).collect(), points };
     face.loops = vec![trim(outer), trim(hole)];
-    assert_eq!(panels(vec![face], 0.5).patterns.len(), 1);
+    assert_eq!(panels(vec![face], 0.5).patterns().len(), 1);
 }
 
 /// A whole cone is slit along one ruling; its ends are one line in space, and points there have two feet.
@@ -244,7 +244,7 @@ fn a_frustum_of_a_full_turn_is_one_panel() {
     let cone = SupportSurface::Cone { frame: Frame::world(), radius: 200.0, slope: -1.0 / 3.0 };
     for tolerance in [1.0, 0.05] {
         let out = panels(vec![Face::untrimmed(part(&cone, (0.0, 2.0 * PI), (0.0, 300.0)))], tolerance);
-        assert_eq!(out.patchwork.panels.len(), 1, "{tolerance} mm");
+        assert_eq!(out.patchwork().panels.len(), 1, "{tolerance} mm");
     }
 }
 
@@ -259,10 +259,10 @@ fn a_cone_up_to_its_tip_is_one_panel_with_its_slant_at_any_tolerance() {
     let tolerances = [10.0, 1.0, 0.01];
     for (turn, tolerance) in [0.5 * PI, 2.0 * PI].into_iter().flat_map(|t| tolerances.map(|x| (t, x))) {
         let out = panels(vec![to_the_tip(turn)], tolerance);
-        assert_eq!(out.patchwork.panels.len(), 1, "{turn} {tolerance}");
+        assert_eq!(out.patchwork().panels.len(), 1, "{turn} {tolerance}");
         // A sector: every corner of the outline is at the tip or as far from it as the cone is slant.
         let (slant, sine) = (500.0 * 1.36f64.sqrt(), 0.6 / 1.36f64.sqrt());
-        let flat = &out.patterns[0];
+        let flat = &out.patterns()[0];
         let corners: Vec<_> = flat.contours[0].vertices.iter().map(|v| v.point).collect();
         let gap = |p: &torse::geom::Vec2| corners.iter().map(|q| (q - p).norm()).fold(0.0, f64::max);
         let middle = |p: &&torse::geom::Vec2| {
@@ -282,9 +282,9 @@ fn shallow_and_steep_cones_up_to_their_tips_are_one_panel() {
         let face = Face::untrimmed(part(&cone, (0.0, 2.0 * PI), (0.0, height)));
         for tolerance in [5.0, 0.5, 0.1, 0.02] {
             let out = panels(vec![face.clone()], tolerance);
-            assert_eq!(out.patchwork.panels.len(), 1, "{radius} {height} {tolerance}");
+            assert_eq!(out.patchwork().panels.len(), 1, "{radius} {height} {tolerance}");
             let area = PI * radius * radius.hypot(height);
-            assert!((out.patterns[0].area - area).abs() < tolerance * height.hypot(radius), "{radius} {tolerance}");
+            assert!((out.patterns()[0].area - area).abs() < tolerance * height.hypot(radius), "{radius} {tolerance}");
         }
     }
 }
@@ -301,7 +301,7 @@ fn a_cone_up_to_its_tip_is_one_panel_wherever_it_lies() {
         let cone = SupportSurface::Cone { frame, radius: 50.0, slope: -0.5 };
         for tolerance in [1.0, 0.02] {
             let out = panels(vec![Face::untrimmed(part(&cone, (0.0, turn), (0.0, 100.0)))], tolerance);
-            assert_eq!(out.patchwork.panels.len(), 1, "{:?} {turn} {tolerance}", frame.origin);
+            assert_eq!(out.patchwork().panels.len(), 1, "{:?} {turn} {tolerance}", frame.origin);
         }
     }
 }
@@ -315,12 +315,12 @@ fn cylinders_and_cones_are_one_panel_however_far_away() {
         let cone = SupportSurface::Cone { frame, radius: 30.0, slope: -0.4 };
         for (surface, turn, height) in [(&pipe, 2.0 * PI, 50.0), (&pipe, 4.0, 50.0), (&cone, 2.0 * PI, 50.0)] {
             let out = panels(vec![Face::untrimmed(part(surface, (0.0, turn), (0.0, height)))], 0.1);
-            assert_eq!(out.patchwork.panels.len(), 1, "{away} {turn}");
+            assert_eq!(out.patchwork().panels.len(), 1, "{away} {turn}");
         }
         // Up to its tip a cone needs more digits than numbers have a kilometre away.
         if away < 1e6 {
             let out = panels(vec![Face::untrimmed(part(&cone, (0.0, 2.0 * PI), (0.0, 75.0)))], 0.1);
-            assert_eq!(out.patchwork.panels.len(), 1, "{away}");
+            assert_eq!(out.patchwork().panels.len(), 1, "{away}");
         }
     }
 }
@@ -337,5 +337,5 @@ fn a_solid_cone_is_its_sector_and_its_disc() {
         edge: vec![0; 720],
     }];
     let out = panels(vec![to_the_tip(2.0 * PI), base], 0.1);
-    assert_eq!(out.patchwork.panels.len(), 2);
+    assert_eq!(out.patchwork().panels.len(), 2);
 }

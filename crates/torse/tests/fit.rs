@@ -379,7 +379,7 @@ fn strips_under_coarse_meshes_end_where_the_mesh_does() {
         let mesh = facets(&low, &high);
         let answer = torse::fit(&mesh, &torse::FitOptions::new(0.5, "mesh"), &Control::default()).expect("an answer");
         assert_eq!(answer.status(), torse::Status::Certified);
-        let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
+        let area: f64 = answer.patterns().iter().map(|p| p.area).sum();
         let wanted = flat_area(&mesh);
         assert!((area / wanted - 1.0).abs() < 0.006, "{area} {wanted}");
         assert!(reach(&answer) < 2.0, "{}", reach(&answer));
@@ -396,7 +396,7 @@ fn parts_of_a_mesh_that_are_apart_are_parts() {
     mesh.triangles.extend(other.triangles.into_iter().map(|t| t.map(|c| c + first)));
     let answer = torse::fit(&mesh, &torse::FitOptions::new(0.5, "two"), &Control::default()).expect("an answer");
     assert_eq!(answer.status(), torse::Status::Certified);
-    let mut areas: Vec<f64> = answer.patterns.iter().map(|p| p.area).collect();
+    let mut areas: Vec<f64> = answer.patterns().iter().map(|p| p.area).collect();
     areas.sort_by(f64::total_cmp);
     assert!(areas.len() == 2 && (areas[0] - 5000.0).abs() < 1.0 && (areas[1] - 10_000.0).abs() < 1.0, "{areas:?}");
 }

@@ -55,9 +55,9 @@ fn over_a_parabola(upper: f64) -> Answer {
 
 fn judged(answer: &Answer, patterns: &[Pattern]) -> Vec<FlatCertificate> {
     let strips: Vec<Strip> = answer.strips().cloned().collect();
-    match &answer.cones {
-        Some(c) => cone_parts((&c.bodies, &c.pieces), &strips, &answer.parts, patterns, answer.tolerance),
-        None => strip_parts(&strips, &answer.parts, patterns, answer.tolerance, &Control::default()),
+    match &answer.cones() {
+        Some(c) => cone_parts((&c.bodies, &c.pieces), &strips, &answer.parts, patterns, answer.tolerance()),
+        None => strip_parts(&strips, &answer.parts, patterns, answer.tolerance(), &Control::default()),
     }
 }
 
@@ -67,12 +67,12 @@ fn patterns_of_chains_are_proven_about_as_closely_as_they_are_drawn() {
     let hull = torse::hull(&[a, b], &Hull::new(TOLERANCE), &Control::default()).expect("strips");
     for (name, answer) in [("duct", duct()), ("hopper", hull), ("chute", chute()), ("shell", over_a_parabola(0.6))] {
         assert_eq!(answer.status(), Status::Certified, "{name}: {}", words::reason(answer.claims(), &[]));
-        assert!(!answer.flat.is_empty() && answer.flat.len() == answer.patterns.len(), "{name}");
-        for (f, p) in answer.flat.iter().zip(&answer.patterns) {
+        assert!(!answer.flat().is_empty() && answer.flat().len() == answer.patterns().len(), "{name}");
+        for (f, p) in answer.flat().iter().zip(answer.patterns()) {
             assert!(f.holds(), "{name}: {:?}", f.reason());
             assert!(f.strain_bound() < 1e-8 && f.gap_bound() < 1e-9, "{name}: {f:?}");
-            assert!(f.ruling_bound() < 1e-4 * answer.tolerance.max(1.0) && f.mark_bound() < 1e-6, "{name}: {f:?}");
-            let drawn = p.contour_error + 2e-3 * answer.tolerance;
+            assert!(f.ruling_bound() < 1e-4 * answer.tolerance().max(1.0) && f.mark_bound() < 1e-6, "{name}: {f:?}");
+            let drawn = p.contour_error + 2e-3 * answer.tolerance();
             assert!(f.outline_bound() <= 1.1 * drawn, "{name}: {} {}", f.outline_bound(), p.contour_error);
         }
         for what in [What::LengthError, What::DrawingDistance, What::JointGap] {
@@ -84,13 +84,13 @@ fn patterns_of_chains_are_proven_about_as_closely_as_they_are_drawn() {
 #[test]
 fn patterns_are_proven_from_either_side() {
     for answer in [duct(), chute(), over_a_parabola(0.6)] {
-        let mut turned: Vec<Pattern> = answer.patterns.iter().map(Pattern::turned_over).collect();
+        let mut turned: Vec<Pattern> = answer.patterns().iter().map(Pattern::turned_over).collect();
         assert!(judged(&answer, &turned).iter().all(FlatCertificate::holds));
         // But not if bend lines keep their senses.
-        for (t, p) in turned.iter_mut().zip(&answer.patterns) {
+        for (t, p) in turned.iter_mut().zip(answer.patterns()) {
             t.bends.clone_from(&p.bends);
         }
-        let bent = answer.patterns.iter().zip(judged(&answer, &turned)).filter(|(p, _)| !p.bends.is_empty());
+        let bent = answer.patterns().iter().zip(judged(&answer, &turned)).filter(|(p, _)| !p.bends.is_empty());
         assert!(bent.clone().count() > 0 && bent.clone().all(|(_, f)| !f.holds()), "{:?}", bent.collect::<Vec<_>>());
     }
 }
@@ -99,14 +99,14 @@ fn patterns_are_proven_from_either_side() {
 #[test]
 fn a_duct_from_square_to_round_is_proven_from_its_file() {
     let duct = duct();
-    let area: f64 = duct.patterns.iter().map(|p| p.area).sum();
+    let area: f64 = duct.patterns().iter().map(|p| p.area).sum();
     let files = written(&duct);
     let step = files.iter().find(|f| f.0 == "panels.step").expect("panels");
     let model = torse::read(&step.1).expect("a model");
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(TOLERANCE) };
     let flat = torse::unroll(&model, &options, &Control::default()).expect("parts");
     assert_eq!((model.faces.len(), flat.status()), (8, Status::Certified), "{:?}", flat.claims());
-    let laid: f64 = flat.patterns.iter().map(|p| p.area).sum();
+    let laid: f64 = flat.patterns().iter().map(|p| p.area).sum();
     assert!((laid - area).abs() < 1e-5 * area, "{laid} {area}");
 }
 
@@ -144,7 +144,7 @@ fn a_long_free_edge_is_drawn_in_few_arcs() {
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.05) };
     let flat = torse::unroll(&model, &options, &Control::default()).expect("a part");
     assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims());
-    let contour = &flat.patterns[0].contours[0].vertices;
+    let contour = &flat.patterns()[0].contours[0].vertices;
     // Corners begin the four sides.
     let corners: Vec<usize> = (0..contour.len()).filter(|k| contour[*k].corner).collect();
     assert_eq!(corners.len(), 4);
@@ -192,23 +192,23 @@ fn what_is_drawn_wrongly_is_seen() {
     ];
     for answer in [duct(), chute()] {
         for (what, damage) in damages {
-            let mut bad = answer.patterns.clone();
+            let mut bad = answer.patterns().to_vec();
             damage(&mut bad[0]);
             let found = judged(&answer, &bad).swap_remove(0);
             assert!(!found.holds() && found.reason().is_some(), "{what}: {found:?}");
         }
-        let mut bad = answer.patterns.clone();
+        let mut bad = answer.patterns().to_vec();
         bad[0].rulings.push([Vec2::new(0.0, 0.0), Vec2::new(1.0, 1e6)]);
         assert!(!judged(&answer, &bad)[0].holds(), "a ruling across");
         // Of less than the tolerance leaves, the bound tells.
-        let mut bad = answer.patterns.clone();
-        let by = 0.2 * answer.tolerance;
+        let mut bad = answer.patterns().to_vec();
+        let by = 0.2 * answer.tolerance();
         bad[0].contours[0].vertices[1].point += Vec2::new(by, by);
         let found = judged(&answer, &bad).swap_remove(0);
-        assert!(found.outline_bound() > by && found.outline_bound() > answer.flat[0].outline_bound(), "{found:?}");
+        assert!(found.outline_bound() > by && found.outline_bound() > answer.flat()[0].outline_bound(), "{found:?}");
     }
     let duct = duct();
-    let mut bad = duct.patterns.clone();
+    let mut bad = duct.patterns().to_vec();
     bad[0].marks[3].point.x += 1.0;
     let found = judged(&duct, &bad).swap_remove(0);
     assert!(!found.holds(), "a mark off its rail: {found:?}");
@@ -227,7 +227,7 @@ fn strips_that_are_not_the_drawn_ones_lose_the_proof() {
     for (what, damage) in damages {
         let mut strips: Vec<Strip> = answer.strips().cloned().collect();
         damage(&mut strips);
-        let found = strip_parts(&strips, &answer.parts, &answer.patterns, TOLERANCE, &Control::default());
+        let found = strip_parts(&strips, &answer.parts, answer.patterns(), TOLERANCE, &Control::default());
         assert!(!found[0].holds(), "{what}: {:?}", found[0]);
     }
 }
@@ -244,7 +244,7 @@ fn exact_cones_are_read_back_and_any_other_face_is_named() {
         let told = |files: &[File]| {
             let mut a = answer.clone();
             deliver::judge(&mut a, files);
-            let found = a.written.iter().find(|w| w.0 == "cones.step").map(|w| w.1.clone()).expect("it is read back");
+            let found = a.written().iter().find(|w| w.0 == "cones.step").map(|w| w.1.clone()).expect("it is read back");
             (a.status(), found, words::reason(a.claims(), &[]))
         };
         let (status, found, reason) = told(&files);

@@ -72,11 +72,11 @@ fn similarities() -> [Similarity; 5] {
 fn commutes(share: f64, make: impl Fn(&Similarity) -> Answer) {
     let [still, others @ ..] = similarities();
     let first = make(&still);
-    let sum = |a: &Answer, of: fn(&torse::patchwork::pattern::Pattern) -> f64| a.patterns.iter().map(of).sum::<f64>();
-    assert!(!first.patterns.is_empty(), "nothing is compared");
+    let sum = |a: &Answer, of: fn(&torse::patchwork::pattern::Pattern) -> f64| a.patterns().iter().map(of).sum::<f64>();
+    assert!(!first.patterns().is_empty(), "nothing is compared");
     for s in others {
         let made = make(&s);
-        let counts = |a: &Answer| (a.status(), a.patchwork.panels.len(), a.parts.len(), a.patterns.len());
+        let counts = |a: &Answer| (a.status(), a.patchwork().panels.len(), a.parts.len(), a.patterns().len());
         assert_eq!(counts(&made), counts(&first), "scale {}: {:?} {:?}", s.scale, made.claims(), made.notes);
         let (area, length) = (sum(&first, |p| p.area), sum(&first, |p| p.length));
         let off = (sum(&made, |p| p.area) / (s.scale * s.scale) - area).abs();

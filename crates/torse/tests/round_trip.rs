@@ -72,7 +72,7 @@ fn faces_are_read_back_from_every_format_with_their_areas() {
             let (_, bytes) = files.iter().find(|f| f.0 == name).expect("a file");
             let back = torse::read(bytes).expect("a model");
             assert!(back.skipped.is_empty(), "part {k}, {name}: {:?}", back.skipped);
-            assert_eq!(back.faces.len(), answer.patchwork.panels.len(), "part {k}, {name}");
+            assert_eq!(back.faces.len(), answer.patchwork().panels.len(), "part {k}, {name}");
             let read: f64 = back.faces.iter().map(area_estimate).sum();
             assert!((read - area).abs() < SAME.1 * area, "part {k}, {name}: {read} {area}");
             let same = *first.get_or_insert(read);

@@ -64,7 +64,7 @@ fn proven(found: &RuledAnswer) -> f64 {
 fn a_hyperbolic_paraboloid_is_one_strip_and_exact() {
     let found = made(graph(|x, y| x * y / 2000.0), &RuledOptions::new(1.0)).expect("an answer");
     assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
-    assert_eq!(found.answer.patchwork.panels.len(), 1);
+    assert_eq!(found.answer.patchwork().panels.len(), 1);
     assert!(proven(&found) < 0.05, "{}", proven(&found));
     // Its rulings are lines x = const or y = const.
     for r in &found.rulings {
@@ -77,7 +77,7 @@ fn a_hyperbolic_paraboloid_is_one_strip_and_exact() {
 fn the_inner_part_of_a_torus_is_smooth_and_within_a_hundredth_of_its_radius() {
     let found = made(torus(), &with_width(10.0, 400.0)).expect("an answer");
     assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
-    let panels = &found.answer.patchwork.panels;
+    let panels = &found.answer.patchwork().panels;
     assert!(panels.len() >= 4 && panels.len() <= 12, "{}", panels.len());
     assert!(proven(&found) <= 10.0);
     let kink = found.answer.claim(What::Kink).expect("a claim").value();
@@ -89,7 +89,7 @@ fn the_inner_part_of_a_torus_is_smooth_and_within_a_hundredth_of_its_radius() {
     assert!(longest <= 400.0, "{longest}");
     // Samples inside the trims stay below the bound.
     let surface = torus();
-    let certificate = found.answer.certificate.as_ref().expect("a certificate");
+    let certificate = found.answer.certificate().expect("a certificate");
     for (panel, proof) in panels.iter().zip(&certificate.panels) {
         let Some(PanelForm::Ruled(map)) = panel.trim.as_ref().map(|t| &t.form) else { panic!("no ruled panel") };
         for run in panel.loops().iter().flatten() {
@@ -110,7 +110,7 @@ fn developable_faces_are_one_strip_each() {
     let count = model.faces.len();
     let found = of_faces(model.faces, Vec::new(), &RuledOptions::new(0.1), &Control::default()).expect("an answer");
     assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
-    assert_eq!(found.answer.patchwork.panels.len(), count);
+    assert_eq!(found.answer.patchwork().panels.len(), count);
     assert!(found.answer.seconds < 20.0, "{}", found.answer.seconds);
 }
 
@@ -118,7 +118,7 @@ fn developable_faces_are_one_strip_each() {
 fn what_is_too_far_is_told_with_its_bound() {
     let found = made(torus(), &with_width(10.0, 600.0)).expect("an answer");
     let bound = proven(&found);
-    let strict = certify::patchwork(&found.answer.patchwork, 0.1 * bound, &Control::default());
+    let strict = certify::patchwork(found.answer.patchwork(), 0.1 * bound, &Control::default());
     assert!(!strict.certified);
     assert!(strict.deviation_bound > 0.8 * bound && strict.deviation_bound < 1.2 * bound, "{}", strict.deviation_bound);
     assert!(strict.missing.iter().any(|m| words::why(m).contains("all that is proven")), "{:?}", strict.missing);
@@ -133,14 +133,14 @@ fn a_planar_point_is_cut_and_a_flat_face_is_one_strip() {
     assert!(kink > 1.0 && kink < 30.0, "{kink}");
     // Nor do they share edges: what is said of gaps holds across the cuts, too.
     let border = |k: usize| -> Vec<Vec3> {
-        let runs = monkey.answer.patchwork.panels[k].loops().iter().flatten();
+        let runs = monkey.answer.patchwork().panels[k].loops().iter().flatten();
         let on = |e: &torse::spline::curve::Curve<3>| -> Vec<Vec3> {
             let (a, b) = e.domain();
             (0..=400).map(|i| Vec3::from(e.point(a + (b - a) * f64::from(i) / 400.0))).collect()
         };
         runs.flat_map(|r| on(&r.edge)).collect()
     };
-    let borders: Vec<Vec<Vec3>> = (0..monkey.answer.patchwork.panels.len()).map(border).collect();
+    let borders: Vec<Vec<Vec3>> = (0..monkey.answer.patchwork().panels.len()).map(border).collect();
     let inside = |p: &&Vec3| p.x.abs().max(p.y.abs()) < 950.0;
     let gap = |(k, p): (usize, &Vec3)| {
         let others = borders.iter().enumerate().filter(|o| o.0 != k).flat_map(|o| o.1);
@@ -151,7 +151,7 @@ fn a_planar_point_is_cut_and_a_flat_face_is_one_strip() {
     let told = monkey.answer.claim(What::SeamGap).expect("a claim").value();
     assert!(measured > 0.1 && told >= measured && told <= 20.0, "{measured} {told}");
     let flat = made(graph(|x, y| 0.1 * x - 0.2 * y), &RuledOptions::new(1.0)).expect("an answer");
-    assert_eq!((flat.answer.status(), flat.answer.patchwork.panels.len()), (Status::Certified, 1));
+    assert_eq!((flat.answer.status(), flat.answer.patchwork().panels.len()), (Status::Certified, 1));
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn what_was_stopped_is_not_certified() {
 #[test]
 fn a_strip_that_was_moved_is_refused() {
     let found = made(torus(), &with_width(10.0, 600.0)).expect("an answer");
-    let good = &found.answer.patchwork;
+    let good = found.answer.patchwork();
     let judge = |p: &Patchwork| certify::patchwork(p, 10.0, &Control::default());
     assert!(judge(good).certified);
     let middle = good.panels[1].strip.patch.control.len() / 2;
@@ -199,7 +199,7 @@ fn a_dome_has_no_strips_and_mixed_curvature_goes_on_without_it() {
     let found = made(graph(|x, y| y * y / 4000.0 + x * x * x / 6e6), &RuledOptions::new(5.0)).expect("an answer");
     assert_eq!(found.answer.status(), Status::Uncertified);
     assert!(found.answer.skipped.iter().any(|s| words::why(&s.reason).contains("positive curvature")));
-    let certificate = found.answer.certificate.as_ref().expect("a certificate");
+    let certificate = found.answer.certificate().expect("a certificate");
     assert!(certificate.panels.iter().all(|p| p.certified), "{:?}", certificate.missing);
     assert!(found.map[0].values.iter().any(|v| *v > 0.5) && found.map[0].values.iter().any(|v| *v < -0.5));
 }
@@ -210,8 +210,8 @@ fn conoidal_strips_have_rulings_parallel_to_a_plane() {
     options.strips.conoidal = true;
     let found = made(torus(), &options).expect("an answer");
     assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims());
-    assert_eq!(found.directing.len(), found.answer.patchwork.panels.len());
-    for (panel, m) in found.answer.patchwork.panels.iter().zip(&found.directing) {
+    assert_eq!(found.directing.len(), found.answer.patchwork().panels.len());
+    for (panel, m) in found.answer.patchwork().panels.iter().zip(&found.directing) {
         let m = m.expect("a plane");
         let (a, b) = panel.strip.domain();
         for k in 0..=20 {

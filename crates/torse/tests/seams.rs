@@ -22,7 +22,7 @@ fn run(options: Options) -> Answer {
 }
 
 fn proof(answer: &Answer) -> &Certificate {
-    answer.certificate.as_ref().expect("a certificate")
+    answer.certificate().expect("a certificate")
 }
 
 /// As strips are unless something else is asked for.
@@ -40,9 +40,9 @@ fn alone() -> &'static Answer {
 fn strips_that_meet_are_certified_and_as_many_as_before() {
     let (alone, met) = (alone(), met());
     assert_eq!(met.status(), Status::Certified);
-    assert_eq!(met.patchwork.panels.len(), alone.patchwork.panels.len());
-    assert!(met.patchwork.panels.len() >= 4);
-    assert_eq!(proof(met).seams.len(), met.patchwork.panels.len() - 1);
+    assert_eq!(met.patchwork().panels.len(), alone.patchwork().panels.len());
+    assert!(met.patchwork().panels.len() >= 4);
+    assert_eq!(proof(met).seams.len(), met.patchwork().panels.len() - 1);
     assert!(proof(met).seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", proof(met).seams);
     assert!(proof(alone).seams.iter().all(|s| s.status != SeamStatus::Exact));
     assert!(proof(met).seam_gap_bound < 0.01 * TOLERANCE && proof(alone).seam_gap_bound > 0.02 * TOLERANCE);
@@ -63,7 +63,7 @@ fn what_was_certified_stays_so_when_joining_is_stopped() {
     let found = of_faces(model.faces, model.skipped, &Options::new(TOLERANCE), &control).expect("an answer");
     assert!(control.stopped());
     assert_eq!(found.status(), Status::Certified);
-    assert_eq!(found.patchwork.panels.len(), alone().patchwork.panels.len());
+    assert_eq!(found.patchwork().panels.len(), alone().patchwork().panels.len());
     assert!(proof(&found).seams.iter().all(|s| s.status != SeamStatus::Exact));
 }
 
@@ -72,7 +72,7 @@ fn what_was_certified_stays_so_when_joining_is_stopped() {
 fn bounds_of_gaps_hold_at_every_place_and_are_close() {
     // The share of the tolerance to which gaps are enclosed, and as much again for the places between samples.
     const SLACK: f64 = 2e-3;
-    let seams = alone().patchwork.seams();
+    let seams = alone().patchwork().seams();
     assert_eq!(seams.len(), proof(alone()).seams.len());
     for (seam, proof) in seams.iter().zip(&proof(alone()).seams) {
         assert_eq!(proof.panels, seam.sides.map(|s| s.panel));
@@ -101,7 +101,7 @@ fn seams_are_creases_with_the_angle_of_theory() {
 
 #[test]
 fn both_sides_of_an_exact_seam_are_one_edge_in_space() {
-    for seam in met().patchwork.seams() {
+    for seam in met().patchwork().seams() {
         assert!(seam.is_shared());
         for k in 0..=200 {
             let s = f64::from(k) / 200.0;
@@ -117,9 +117,9 @@ fn both_sides_of_an_exact_seam_are_one_edge_in_space() {
 #[test]
 fn flat_edges_of_an_exact_seam_have_equal_lengths() {
     let met = met();
-    for seam in met.patchwork.seams() {
+    for seam in met.patchwork().seams() {
         let [a, b] = seam.sides.map(|side| {
-            let pattern = &met.patterns[side.panel];
+            let pattern = &met.patterns()[side.panel];
             let ours = |b: &Border| matches!(b, Border::Seam { seam: k, .. } if *k == seam.seam);
             pattern.sides.iter().find(|s| ours(&s.border)).expect("a side").length
         });
@@ -133,13 +133,13 @@ fn flat_edges_of_an_exact_seam_have_equal_lengths() {
 fn the_step_file_holds_one_shell_with_shared_edges() {
     let mut bytes = Vec::new();
     let header = Header { name: "torus".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
-    panels(&mut bytes, &header, &met().patchwork, &[]).expect("a file");
+    panels(&mut bytes, &header, &met().patchwork(), &[]).expect("a file");
     let text = String::from_utf8(bytes).expect("text");
     let count = |what: &str| text.matches(what).count();
-    let n = met().patchwork.panels.len();
+    let n = met().patchwork().panels.len();
     assert_eq!(count("=OPEN_SHELL("), 1);
     assert_eq!(count("=ADVANCED_FACE("), n);
-    let runs: usize = met().patchwork.panels.iter().flat_map(|p| p.loops()).map(Vec::len).sum();
+    let runs: usize = met().patchwork().panels.iter().flat_map(|p| p.loops()).map(Vec::len).sum();
     assert_eq!(count("=EDGE_CURVE("), runs - (n - 1));
     assert_eq!(count("=ORIENTED_EDGE("), runs);
 }

@@ -33,7 +33,7 @@ fn patterns(faces: Vec<Face>, drawn: Drawn) -> Vec<Pattern> {
         smooth_angle: 0.0,
         drawn,
     };
-    of_faces(faces, Vec::new(), &options, &Control::default()).expect("an answer").patterns
+    of_faces(faces, Vec::new(), &options, &Control::default()).expect("an answer").patterns().to_vec()
 }
 
 /// A triangle with three different sides on a quarter of a cylinder.

@@ -39,7 +39,7 @@ fn files() -> &'static Vec<File> {
 fn patterns_of_a_certified_result_are_proven_closely() {
     let o = answer();
     assert_eq!(o.status(), Status::Certified);
-    for (f, p) in o.flat.iter().zip(&o.patterns) {
+    for (f, p) in o.flat().iter().zip(o.patterns()) {
         assert!(f.holds(), "{:?}", f.reason());
         assert!(f.strain_bound() < 1e-8, "{:e}", f.strain_bound());
         assert!(f.outline_bound() < 1.1 * p.contour_error, "{} {}", f.outline_bound(), p.contour_error);
@@ -51,11 +51,11 @@ fn patterns_of_a_certified_result_are_proven_closely() {
 fn a_pattern_changed_by_more_than_its_bound_is_seen() {
     let o = answer();
     let judged = |change: &dyn Fn(&mut torse::patchwork::pattern::Pattern)| {
-        let mut patterns = o.patterns.clone();
+        let mut patterns = o.patterns().to_vec();
         change(&mut patterns[0]);
-        flat(&o.patchwork, &patterns, TOLERANCE, &Control::default()).swap_remove(0)
+        flat(o.patchwork(), &patterns, TOLERANCE, &Control::default()).swap_remove(0)
     };
-    let by = 2.0 * o.flat[0].drawing_bound();
+    let by = 2.0 * o.flat()[0].drawing_bound();
     let moved = judged(&|p| p.contours[0].vertices[3].point.y += by);
     assert!(moved.outline_bound() > 0.5 * by && moved.outline_bound() < 2.0 * by, "{moved:?}");
     let bulged = judged(&|p| p.contours[0].vertices[1].bulge += 0.5);
@@ -73,7 +73,7 @@ fn a_pattern_changed_by_more_than_its_bound_is_seen() {
 fn edges_in_space_are_part_of_the_proof() {
     let o = answer();
     let proof = |by: f64| {
-        let mut p = o.patchwork.clone();
+        let mut p = o.patchwork().clone();
         let k = p.panels[0].loops()[0][0].edge.control.len() / 2;
         p.panels[0].loops_mut()[0][0].edge.control[k][1] += by;
         certify::patchwork(&p, TOLERANCE, &Control::default())
@@ -90,9 +90,9 @@ fn files_that_hold_what_was_judged_keep_the_certificate() {
     let mut o = answer().clone();
     deliver::judge(&mut o, files());
     assert_eq!(o.status(), Status::Certified);
-    let names: Vec<&str> = o.written.iter().map(|w| w.0.as_str()).collect();
+    let names: Vec<&str> = o.written().iter().map(|w| w.0.as_str()).collect();
     assert_eq!(names, ["panels.step", "patterns.dxf", "patterns.svg"]);
-    assert!(o.written.iter().all(|(_, w)| w.bound() < 1e-5), "{:?}", o.written);
+    assert!(o.written().iter().all(|(_, w)| w.bound() < 1e-5), "{:?}", o.written());
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn panels_with_poles_and_panels_that_share_edges_are_read_back_as_judged() {
         assert_eq!(o.status(), Status::Certified, "{}", words::reason(o.claims(), &[]));
         if meet {
             // Curves that run backwards have rounded knots; what these move is known.
-            assert!(o.written[0].1.bound() < 1e-9, "{:?}", o.written);
+            assert!(o.written()[0].1.bound() < 1e-9, "{:?}", o.written());
         }
     }
 }

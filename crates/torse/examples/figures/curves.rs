@@ -338,7 +338,7 @@ fn covered(bytes: &[u8], tolerance: f64, curve: &PanelCurve) -> Done<Image> {
     let shown = present(&answer);
     let proof = if answer.status() == Status::Certified { "certified" } else { "not certified" };
     let note = format!("{} along the {} or in its wake; {proof}", answer.along.len(), curve.name);
-    let title = format!("{} panels at {tolerance} mm", answer.patchwork.panels.len());
+    let title = format!("{} panels at {tolerance} mm", answer.patchwork().panels.len());
     // Seen as the surface is.
     Ok(picture::panels(&shown.scene, &picture::direction(&given), &Caption { width: 800, title, note }))
 }

@@ -17,7 +17,6 @@ use torse::draw::scene::{PanelShape, Scene};
 use torse::geom::mesh::Mesh;
 use torse::geom::Vec3;
 use torse::io::png;
-use torse::patchwork::panel::Patchwork;
 use torse::patchwork::part::Part;
 use torse::tessellate::strip;
 use torse::torse::quad_strip::QuadStrip;
@@ -302,9 +301,8 @@ fn mixed() -> Result<Answer> {
     let strips: Vec<Strip> = QuadStrip::new(a, b)?.faces("A")?;
     let chain: Vec<&Strip> = strips.iter().collect();
     let patterns = pattern(&chain, 0, "A", &StripOptions::new(0.01)).into_iter().collect();
-    let mut answer = Answer::new(Job::Planarise, "mixed", 1e-3);
-    answer.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
-    answer.patchwork = Patchwork::of_strips(strips);
-    answer.patterns = patterns;
+    let parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
+    let mut answer = Answer::shown(Job::Planarise, "mixed", 1e-3, strips, patterns);
+    answer.parts = parts;
     Ok(answer)
 }

@@ -15,7 +15,6 @@ use torse::draw::picture::{self, Caption};
 use torse::draw::raster::{Drawing, Line};
 use torse::geom::{Frame, Vec2, Vec3};
 use torse::io::png;
-use torse::patchwork::panel::Patchwork;
 use torse::patchwork::part::Part;
 use torse::pipeline::hull::{hull, Options};
 use torse::pipeline::loft::{self, Choice, Ends};
@@ -88,11 +87,11 @@ fn only(all: &Answer, wanted: impl Fn(&Vec3) -> bool) -> Answer {
         wanted(&((p + q) * 0.5))
     };
     let keep: Vec<bool> = all.strips().map(chosen).collect();
-    let mut out = Answer::new(all.job, &all.input, all.tolerance);
     let strips: Vec<Strip> = all.strips().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
+    let parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
+    let mut out = Answer::shown(all.job, &all.input, all.tolerance(), strips, Vec::new());
     out.fields = all.fields.iter().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
-    out.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
-    out.patchwork = Patchwork::of_strips(strips);
+    out.parts = parts;
     out
 }
 

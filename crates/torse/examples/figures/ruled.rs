@@ -228,7 +228,7 @@ fn from_asymptotic_curves(surface: &Surface, save: &dyn Fn(&str, &Image) -> Resu
     let options = RuledOptions { strips, input: "saddle".into(), spacing: None };
     let found = of_faces(vec![Face::untrimmed(surface.clone())], Vec::new(), &options, &Control::default())?;
     let shown = present(&found.answer);
-    let count = found.answer.patchwork.panels.len();
+    let count = found.answer.patchwork().panels.len();
     let note = format!("{count} strips within 8 mm, {:?}", found.answer.status());
     let given =
         Scene { panels: vec![PanelShape { mesh: whole(surface), ..PanelShape::default() }], ..Scene::default() };
@@ -415,7 +415,7 @@ fn conoidal(surface: &Surface, save: &dyn Fn(&str, &Image) -> Result<()>) -> Res
     let note = format!("{count} of {} strips have a directing plane", found.directing.len());
     save("2-10-a", &picture(shown.scene, &EYE, "Conoidal strips", &note))?;
     let (mut arcs, mut circles) = (Vec::new(), Vec::new());
-    for (panel, normal) in found.answer.patchwork.panels.iter().zip(&found.directing) {
+    for (panel, normal) in found.answer.patchwork().panels.iter().zip(&found.directing) {
         let Some(normal) = normal else { continue };
         let name = &panel.strip.name;
         let own = found.rulings.iter().filter(|r| r.strip == *name);

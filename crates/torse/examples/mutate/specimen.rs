@@ -150,7 +150,7 @@ fn bracket() -> Result<Vec<(String, Vec<u8>)>, String> {
     let answer = unroll(&model, &UnrollOptions::new(FINE), &Control::default()).map_err(|e| e.to_string())?;
     let shown = present(&answer);
     let mut all = bundle::geometry(&answer, &shown, "2026-01-01T00:00:00").map_err(|e| e.to_string())?;
-    all.extend(bends::csv(&answer.patterns, answer.cut.unit).map(|b| ("bends.csv".into(), b)));
+    all.extend(bends::csv(answer.patterns(), answer.cut.unit).map(|b| ("bends.csv".into(), b)));
     all.extend(bend_table::csv(&answer, answer.cut.unit).map(|b| ("bend_table.csv".into(), b)));
     let report = Report::of(&answer, &shown).to_json().map_err(|e| e.to_string())?;
     all.push(("report.json".into(), report.into_bytes()));

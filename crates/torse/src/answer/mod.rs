@@ -134,28 +134,28 @@ pub struct Answer {
     /// Name of the input, without folder.
     pub input: String,
     /// Tolerance asked for, mm.
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     /// What is said of the whole and of single panels; the status is computed from these and from nothing else.
     pub(crate) claims: Vec<Claim>,
     /// Panels, and the faces that they cover if there are any: then every panel covers a part of one. Neighbours within a
     /// part follow each other.
-    pub patchwork: Patchwork,
+    pub(crate) patchwork: Patchwork,
     /// Proof of panels that cover faces.
-    pub certificate: Option<Certificate>,
+    pub(crate) certificate: Option<Certificate>,
     /// Parts as they are cut, in the order of their panels.
     pub parts: Vec<Part>,
     /// Flat patterns, not yet laid out side by side (each near its own origin); `panel` is the index of the part.
-    pub patterns: Vec<Pattern>,
+    pub(crate) patterns: Vec<Pattern>,
     /// Thickness and bends of sheet metal, one for each pattern; empty for jobs that know no thickness.
     pub sheets: Vec<SheetPart>,
     /// Of parts that are one face of the input, laid flat by its own map, that map, in the order of the patterns.
     pub charts: Vec<Option<PlacedChart>>,
     /// What was proven about flat patterns, in the same order; empty where lengths were only measured.
-    pub flat: Vec<FlatCertificate>,
+    pub(crate) flat: Vec<FlatCertificate>,
     /// Files that were read back, by name, and whether they hold what was judged; empty before anything is written.
-    pub written: Vec<(String, WrittenCertificate)>,
+    pub(crate) written: Vec<(String, WrittenCertificate)>,
     /// Exact surfaces for CAD in place of the panels' patches.
-    pub cones: Option<Cones>,
+    pub(crate) cones: Option<Cones>,
     /// Values for colours, one set per panel; empty if there are none, or if panels show their distance from faces.
     pub fields: Vec<PanelField>,
     /// What the colours mean.
@@ -194,13 +194,18 @@ const GUIDE_POINTS: usize = 200;
 
 impl Answer {
     /// An answer that holds strips laid flat and nothing else yet.
-    pub fn of_flat(job: Job, input: &str, tolerance: f64, laid: Laid) -> Self {
+    pub(crate) fn of_flat(job: Job, input: &str, tolerance: f64, laid: Laid) -> Self {
         let Laid { parts, patterns, proofs, .. } = laid;
         Self { parts, patterns, flat: proofs, ..Self::new(job, input, tolerance) }
     }
 
+    /// An answer of strips and patterns that are only shown: nothing is said of them.
+    pub fn shown(job: Job, input: &str, tolerance: f64, strips: Vec<Strip>, patterns: Vec<Pattern>) -> Self {
+        Self { patchwork: Patchwork::of_strips(strips), patterns, ..Self::new(job, input, tolerance) }
+    }
+
     /// An answer that holds nothing yet. `input` names the input without folder, `tolerance` is in mm.
-    pub fn new(job: Job, input: &str, tolerance: f64) -> Self {
+    pub(crate) fn new(job: Job, input: &str, tolerance: f64) -> Self {
         Self {
             job,
             input: input.into(),
@@ -228,6 +233,41 @@ impl Answer {
             cut: CutFiles::default(),
             seconds: 0.0,
         }
+    }
+
+    /// Tolerance asked for, mm.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Panels, and the faces that they cover if there are any.
+    pub fn patchwork(&self) -> &Patchwork {
+        &self.patchwork
+    }
+
+    /// Proof of panels that cover faces.
+    pub fn certificate(&self) -> Option<&Certificate> {
+        self.certificate.as_ref()
+    }
+
+    /// Flat patterns, not yet laid out side by side; `panel` of each is the index of its part.
+    pub fn patterns(&self) -> &[Pattern] {
+        &self.patterns
+    }
+
+    /// What was proven about the flat patterns, in the same order; empty where lengths were only measured.
+    pub fn flat(&self) -> &[FlatCertificate] {
+        &self.flat
+    }
+
+    /// Files that were read back, by name, and whether they hold what was judged; empty before anything is written.
+    pub fn written(&self) -> &[(String, WrittenCertificate)] {
+        &self.written
+    }
+
+    /// Exact surfaces for CAD in place of the panels' patches.
+    pub fn cones(&self) -> Option<&Cones> {
+        self.cones.as_ref()
     }
 
     /// How the job ended.

@@ -361,7 +361,11 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFa
         counted(Drawn::Corners, own.points.len(), line.len())?;
         offs.extend(own.points.iter().zip(line).map(|(a, b)| far(a, b)));
     }
-    offs.extend(pattern.marks.iter().zip(&piece.marks).map(|(a, b)| far(&a.point, &b[0])));
+    for (a, b) in pattern.marks.iter().zip(&piece.marks) {
+        // How long ticks are drawn is the drawing's affair, where they point to is not.
+        let tip = a.point + a.inward * ((b[1] - b[0]).norm() * piece.unit.mm());
+        offs.extend([far(&a.point, &b[0]), far(&tip, &b[1])]);
+    }
     if offs.iter().any(|x| !x.is_finite()) {
         return Err(Differs::NoArc.into());
     }
@@ -464,7 +468,7 @@ fn in_order(pattern: &Pattern) -> Vec<(&[Vec2; 2], BendSense)> {
 mod tests {
     use super::*;
     use crate::certify::specimens::two_panels;
-    use crate::patchwork::pattern::ContourVertex;
+    use crate::patchwork::pattern::{ContourVertex, Mark, MarkPlace};
 
     /// The faces that a writer makes of a patchwork, without a writer.
     fn faces(p: &Patchwork) -> Vec<WrittenFace> {
@@ -581,6 +585,21 @@ mod tests {
         wrong.rulings[0][1].x = f64::NAN;
         assert!(drawing(&all, &[wrong]).reason().is_some());
         assert!(drawing(&all, &[]).reason().is_some());
+        // A mark that points out of the part.
+        let mark = Mark {
+            point: Vec2::new(30.0, 0.0),
+            inward: Vec2::y(),
+            label: "S1.1".into(),
+            on: MarkPlace::Seam,
+            apart: 0.0,
+        };
+        let marked = Pattern { marks: vec![mark], ..pattern.clone() };
+        let ticked = |to: Vec2| {
+            let marks = vec![[moved(&Vec2::new(30.0, 0.0)), moved(&to)]];
+            drawing(&[marked.clone()], &[WrittenPiece { marks, ..piece(WrittenArc::Bulge(0.4)) }]).bound()
+        };
+        assert!(ticked(Vec2::new(30.0, 3.0)) < 1e-11 && ticked(Vec2::new(30.0, 2.0)) < 1e-11);
+        assert!(ticked(Vec2::new(30.0, -3.0)) > 5.9 && ticked(Vec2::new(32.0, 2.0)) > 1.9);
         // A hole of three arcs is a circle, and only that circle.
         let third = (TAU / 12.0).tan();
         let at = |k: usize| {

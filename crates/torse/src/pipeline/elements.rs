@@ -48,7 +48,7 @@ mod tests;
 /// };
 /// let given = Given::Rulings((0..20).map(ruling).collect());
 /// let answer = torse::fit_elements(&given, &torse::ElementFitOptions::new(0.1, "hood"), &torse::Control::default())?;
-/// assert_eq!((answer.status(), answer.patchwork.panels.len()), (torse::Status::Certified, 1));
+/// assert_eq!((answer.status(), answer.patchwork().panels.len()), (torse::Status::Certified, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Control) -> Result<Answer, ElementFitError> {

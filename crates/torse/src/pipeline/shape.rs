@@ -53,7 +53,7 @@ const POLISHED: f64 = 1e-11;
 /// let job = torse::io::shape::read(include_bytes!("../../../../data/pulled_hull.json"), "hull", None)?;
 /// let nothing = |name: &str| Err(format!("no file {name}"));
 /// let answer = torse::shape(&job, &torse::Shape::new(0.5), &nothing, &torse::Control::default())?;
-/// assert_eq!(answer.patchwork.panels.len(), 2);
+/// assert_eq!(answer.patchwork().panels.len(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn shape(

@@ -128,7 +128,7 @@ pub enum UnrollError {
 /// let pipe = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
 /// let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.05) };
 /// let answer = torse::unroll(&pipe, &options, &torse::Control::default())?;
-/// assert_eq!((answer.status(), answer.patterns.len()), (torse::Status::Certified, 1));
+/// assert_eq!((answer.status(), answer.patterns().len()), (torse::Status::Certified, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Result<Answer, UnrollError> {

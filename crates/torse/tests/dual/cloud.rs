@@ -31,7 +31,7 @@ fn a_sheet_with_noise_of_a_tenth_is_recovered_within_twice_the_noise() {
     let cloud = measured(6000, 0.1, 1);
     let got = fit(&cloud, &FitOptions::new(0.5, "sheet"), &Control::default()).expect("a fit");
     assert_eq!(got.status(), Status::Certified);
-    assert_eq!(got.patchwork.panels.len(), 1);
+    assert_eq!(got.patchwork().panels.len(), 1);
     assert!(value(&got, What::PointDistance) <= 0.2 + 0.1, "{}", value(&got, What::PointDistance));
     assert!((value(&got, What::Noise) - 0.1 / 3f64.sqrt()).abs() < 0.01);
     // Against the truth: points of the sheet without noise.
@@ -40,7 +40,7 @@ fn a_sheet_with_noise_of_a_tenth_is_recovered_within_twice_the_noise() {
         .collect();
     let off = torse::certify::points::points(&strips(&got), &truth, &Control::default());
     assert!(off.worst_bound().value() <= 0.2, "{}", off.worst_bound().value());
-    assert_eq!((got.parts.len(), got.patterns.len()), (1, 1));
+    assert_eq!((got.parts.len(), got.patterns().len()), (1, 1));
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn a_strongly_curved_sheet_is_recovered_within_twice_the_noise_of_the_truth() {
         .collect();
     let got =
         fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.4, "helix"), &Control::default()).expect("a fit");
-    assert_eq!((got.status(), got.patchwork.panels.len()), (Status::Certified, 1));
+    assert_eq!((got.status(), got.patchwork().panels.len()), (Status::Certified, 1));
     let truth: Vec<Vec3> = (0..900)
         .map(|i| place(0.6 * (0.03 + 0.94 * f64::from(i % 30) / 29.0), 0.03 + 0.94 * f64::from(i / 30) / 29.0).0)
         .collect();
@@ -91,7 +91,7 @@ fn a_crease_is_found() {
     }
     let got = fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.5, "crease"), &Control::default())
         .expect("a fit");
-    assert!(got.patchwork.panels.len() >= 2 && got.patchwork.panels.len() <= 4, "{}", got.patchwork.panels.len());
+    assert!(got.patchwork().panels.len() >= 2 && got.patchwork().panels.len() <= 4, "{}", got.patchwork().panels.len());
     assert!(value(&got, What::Count(Counted::Beyond)) < 120.0, "{}", value(&got, What::Count(Counted::Beyond)));
 }
 

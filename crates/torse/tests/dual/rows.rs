@@ -39,7 +39,7 @@ fn rulings_of_a_drawing_in_any_order_are_met() {
         .expect("a fit");
     assert_eq!(got.status(), Status::Certified);
     assert_eq!(
-        (got.patchwork.panels.len(), got.patterns.len(), value(&got, What::Count(Counted::Rulings)) as usize),
+        (got.patchwork().panels.len(), got.patterns().len(), value(&got, What::Count(Counted::Rulings)) as usize),
         (1, 1, 60)
     );
     // Against the truth, between the rulings given.
@@ -66,7 +66,7 @@ fn sampled_tangent_planes_are_met_over_their_regions() {
     let got = fit_elements(&Given::Planes(planes), &ElementFitOptions::new(0.1, "helix"), &Control::default())
         .expect("a fit");
     assert_eq!(got.status(), Status::Certified);
-    assert_eq!(got.patchwork.panels.len(), 1);
+    assert_eq!(got.patchwork().panels.len(), 1);
     assert!(value(&got, What::ElementDistance) < 0.05, "{}", value(&got, What::ElementDistance));
 }
 
@@ -80,7 +80,7 @@ fn noise_of_rulings_is_averaged() {
     let got = fit_elements(&Given::Rulings(noisy), &ElementFitOptions::new(0.4, "noisy"), &Control::default())
         .expect("a fit");
     assert_eq!(got.status(), Status::Certified);
-    assert!(got.patchwork.panels.len() <= 2, "{}", got.patchwork.panels.len());
+    assert!(got.patchwork().panels.len() <= 2, "{}", got.patchwork().panels.len());
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn a_face_of_high_degree_gets_a_lighter_strip() {
     let face = Face::untrimmed(Surface::new(knots(9), knots(1), &points, None).expect("a surface"));
     let got = fit_faces(&[face], &[], &ElementFitOptions::new(0.05, "nine"), &Control::default()).expect("a fit");
     assert_eq!(got.status(), Status::Certified);
-    assert_eq!(got.patchwork.panels.len(), 1);
+    assert_eq!(got.patchwork().panels.len(), 1);
 }
 
 #[test]

@@ -62,8 +62,8 @@ fn a_face_of_degree_six_gets_a_few_control_points() {
             fit_faces(&[heavy()], &[], &ElementFitOptions::new(tolerance, "six"), &Control::default()).expect("a fit");
         assert_eq!(got.status(), Status::Certified);
         assert!(value(&got, What::ElementDistance) <= tolerance);
-        let strip = &got.patchwork.panels[0].strip;
-        assert!(got.patchwork.panels.len() == 1 && count(strip) <= most, "{tolerance}: {}", count(strip));
+        let strip = &got.patchwork().panels[0].strip;
+        assert!(got.patchwork().panels.len() == 1 && count(strip) <= most, "{tolerance}: {}", count(strip));
         assert!(strip.patch.knots_u.degree() < 6);
         assert!(count(strip) >= before, "finer tolerances need more: {} after {before}", count(strip));
         before = count(strip);
@@ -99,7 +99,7 @@ fn a_face_that_is_simple_stays_as_it_is() {
         let options = ElementFitOptions::new(0.05, "simple");
         let got = fit_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("a fit");
         assert_eq!(got.status(), Status::Certified);
-        let strip = &got.patchwork.panels[0].strip;
+        let strip = &got.patchwork().panels[0].strip;
         assert_eq!((strip.patch.knots_u.degree(), count(strip)), (degree, points.len() / 2));
         assert!(value(&got, What::ElementDistance) < 1e-9);
         let kept = |n: &Note| matches!(n, Note::Fit(FitNote::Face(FaceNote { became: Became::Itself(_), .. })));
@@ -137,7 +137,7 @@ fn ends_are_kept_exactly() {
         let options = ElementFitOptions { fix_ends, ..ElementFitOptions::new(0.5, "helix") };
         let got = run(Given::Rulings(given.clone()), &options);
         assert_eq!(got.status(), Status::Certified);
-        let s = &got.patchwork.panels[0].strip;
+        let s = &got.patchwork().panels[0].strip;
         let ends = [s.ruling(0.0), s.ruling(1.0)];
         // Strips may run the other way.
         let along = off(ends[0], &given[0]).max(off(ends[1], &given[49]));
@@ -205,7 +205,7 @@ fn outliers_are_left_out_and_named() {
     assert_eq!(got.status(), Status::Certified);
     let skipped = &got.skipped;
     assert_eq!(
-        (value(&got, What::Count(Counted::Rulings)) as usize, got.patchwork.panels.len(), skipped.len()),
+        (value(&got, What::Count(Counted::Rulings)) as usize, got.patchwork().panels.len(), skipped.len()),
         (48, 1, 2),
         "{skipped:?}"
     );

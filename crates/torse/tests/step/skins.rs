@@ -68,7 +68,7 @@ fn bent_both_ways() -> Model {
 fn a_flange_that_neither_skin_reaches_is_named() {
     let sheet = bent_both_ways();
     let flat = torse::unroll(&sheet, &UnrollOptions::new(0.01), &Control::default()).expect("parts");
-    let area: f64 = flat.patterns.iter().map(|p| p.area).sum();
+    let area: f64 = flat.patterns().iter().map(|p| p.area).sum();
     let whole = 40.0 * 60.0 + 2.0 * 40.0 * 40.0;
     assert!((0.5 * whole..0.9 * whole).contains(&area), "{area} of {whole}");
     assert!(flat.status() != Status::Certified && !flat.skipped.is_empty(), "{:?}", flat.claims());
@@ -96,11 +96,11 @@ fn sharp_step() -> Model {
 fn short_flanges_beyond_sharp_bends_stay_with_their_sheet() {
     let options = UnrollOptions { k: KFactor::Ansi(0.44), ..UnrollOptions::new(0.01) };
     let flat = torse::unroll(&sharp_step(), &options, &Control::default()).expect("parts");
-    assert_eq!((flat.patterns.len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims());
+    assert_eq!((flat.patterns().len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims());
     let length = 17.0 + 34.0 + 17.0 + 2.0 * 0.44 * 3.0 * FRAC_PI_2;
-    assert!((flat.patterns[0].length - length).abs() < 1e-6, "{} {length}", flat.patterns[0].length);
+    assert!((flat.patterns()[0].length - length).abs() < 1e-6, "{} {length}", flat.patterns()[0].length);
     // The outline goes around once, and nowhere back.
-    let v = &flat.patterns[0].contours[0].vertices;
+    let v = &flat.patterns()[0].contours[0].vertices;
     let around: f64 = (0..v.len()).map(|k| (v[(k + 1) % v.len()].point - v[k].point).norm()).sum();
     assert!((around - 2.0 * (length + 60.0)).abs() < 1e-6, "{around}");
     // Bent back, its flanges reach to their edges.
@@ -141,7 +141,7 @@ fn tray() -> Model {
 fn flanges_without_relief_are_bent_back_along_their_slits() {
     let options = UnrollOptions { k: KFactor::Ansi(0.44), ..UnrollOptions::new(0.01) };
     let mut flat = torse::unroll(&tray(), &options, &Control::default()).expect("parts");
-    assert_eq!((flat.patterns.len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims());
+    assert_eq!((flat.patterns().len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims());
     let files: HashMap<String, Vec<u8>> = files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
     let back = refold(&|name| files.get(name).cloned(), &torse::Control::default()).expect("an answer").report();
     assert!(back.left.is_empty() && back.parts[0].panels.len() == 5, "{back:?}");
