@@ -46,17 +46,20 @@ const FINE: usize = 24;
 /// In what a certificate is contradicted by what was measured.
 fn contradicted(c: &Certificate, m: &Measured, size: f64) -> Option<String> {
     let more = c.deviation_bound * (1.0 + SLACK) + 1e-14 * size;
-    let panel = c.panels.first()?;
-    let distance = m.from_face.max(m.from_panel);
-    if distance > more {
-        return Some(format!("{distance:.9} mm apart, certified {:.9}", c.deviation_bound));
+    if m.distance() > more {
+        return Some(format!("{:.9} mm apart, certified {:.9}", m.distance(), c.deviation_bound));
     }
-    // Curvatures below rounding of the points say nothing.
-    if m.radius < panel.min_bend_radius * (1.0 - SHAPE_SLACK) && m.radius < 1e6 {
-        return Some(format!("radius {:.6}, certified {:.6}", m.radius, panel.min_bend_radius));
+    if m.gap > c.seam_gap_bound * (1.0 + SLACK) + 1e-14 * size {
+        return Some(format!("sides of the seam {:.9} mm apart, certified {:.9}", m.gap, c.seam_gap_bound));
     }
-    if m.clearance < panel.regression_clearance * (1.0 - SHAPE_SLACK) && m.clearance < 1e6 {
-        return Some(format!("clearance {:.6}, certified {:.6}", m.clearance, panel.regression_clearance));
+    for (panel, seen) in c.panels.iter().zip(&m.panels) {
+        // Curvatures below rounding of the points say nothing.
+        if seen.radius < panel.min_bend_radius * (1.0 - SHAPE_SLACK) && seen.radius < 1e6 {
+            return Some(format!("radius {:.6}, certified {:.6}", seen.radius, panel.min_bend_radius));
+        }
+        if seen.clearance < panel.regression_clearance * (1.0 - SHAPE_SLACK) && seen.clearance < 1e6 {
+            return Some(format!("clearance {:.6}, certified {:.6}", seen.clearance, panel.regression_clearance));
+        }
     }
     None
 }
@@ -73,10 +76,14 @@ pub fn job(random: &mut Random, rows: &mut Rows) -> Option<()> {
     } else {
         let what = if random.below(2) == 0 { 0 } else { random.below(NUMBERS.len()) };
         number(&mut patchwork, what, size, random)?;
-        let key = if what == 0 { (0, kind, KINDS[kind].to_string()) } else { (1, what, NUMBERS[what].to_string()) };
+        let key = match what {
+            0 if patchwork.seam_count > 0 => (0, KINDS.len(), "two panels with a seam".to_string()),
+            0 => (0, kind, KINDS[kind].to_string()),
+            _ => (1, what, NUMBERS[what].to_string()),
+        };
         (key, 0.0)
     };
-    let distance = measure(&patchwork, COARSE).map_or(size, |m| m.from_face.max(m.from_panel));
+    let distance = measure(&patchwork, COARSE).map_or(size, |m| m.distance());
     // Beside what is true: hardly room enough, or hardly too little; at times more, for what needs it.
     let room = if random.below(4) == 0 { random.between(1.3, 4.0) } else { random.between(0.9, 1.3) };
     let tolerance = if forged { tolerance } else { distance.max(0.01 * size) * room };
@@ -92,7 +99,7 @@ pub fn job(random: &mut Random, rows: &mut Rows) -> Option<()> {
         _ if forged => Some("a forgery".to_string()),
         None => Some("the outline leaves the patch".to_string()),
         Some(m) => {
-            row.nearest = row.nearest.max(m.from_face.max(m.from_panel) / certificate.deviation_bound);
+            row.nearest = row.nearest.max(m.distance() / certificate.deviation_bound);
             contradicted(&certificate, m, patchwork.faces[0].surface.bbox().max.amax())
         }
     };

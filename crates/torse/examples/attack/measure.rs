@@ -1,21 +1,37 @@
-//! What is true of a patchwork of one panel, by dense sampling and local refinement. No number of the judge is used, and
+//! What is true of a patchwork of one face, by dense sampling and local refinement. No number of the judge is used, and
 //! none of its methods: distances are those of points, found by search. What is found is a little more than the true
 //! distance, by the sampling of the trimming curve.
 
 use torse::geom::Vec3;
-use torse::patchwork::panel::Patchwork;
+use torse::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use torse::spline::surface::Surface;
 
 /// Measured on samples.
 pub struct Measured {
-    /// Largest distance from the face to the trimmed panel.
+    /// Largest distance from the face to the trimmed panels.
     pub from_face: f64,
-    /// Largest distance from the trimmed panel to the face.
+    /// Largest distance from the trimmed panels, and from their edges in space, to the face.
     pub from_panel: f64,
+    /// Largest distance between both sides of the seam at equal parameters; 0 without one.
+    pub gap: f64,
+    /// What is true of every panel for itself.
+    pub panels: Vec<Bent>,
+}
+
+/// How a panel is bent.
+#[derive(Clone, Copy)]
+pub struct Bent {
     /// Smallest radius of curvature of the panel inside its trimming curves.
     pub radius: f64,
     /// Smallest distance along a ruling from the panel to its regression curve.
     pub clearance: f64,
+}
+
+impl Measured {
+    /// How far face and panels are apart.
+    pub fn distance(&self) -> f64 {
+        self.from_face.max(self.from_panel)
+    }
 }
 
 /// The trimmed panel: outline in the parameter plane and in space, and rulings in a table.
@@ -30,8 +46,7 @@ const OUTLINE: usize = 400;
 const RULINGS: usize = 160;
 
 impl<'a> Trimmed<'a> {
-    fn of(patchwork: &'a Patchwork) -> Option<Self> {
-        let panel = patchwork.panels.first()?;
+    fn of(panel: &'a Panel) -> Option<Self> {
         let patch = &panel.strip.patch;
         let mut outline = Vec::new();
         for run in panel.loops().first()? {
@@ -200,21 +215,37 @@ fn shape(s: &Surface, t: f64, r: f64) -> Option<(f64, f64)> {
     Some((curvature, clearance))
 }
 
-/// Measures a patchwork of one face and one panel at so many places in each direction; `None` if its outline leaves the
-/// patch.
+/// Measures a patchwork of one face at so many places in each direction; `None` if the outline of a panel leaves its patch.
 pub fn measure(patchwork: &Patchwork, grid: usize) -> Option<Measured> {
     let s = &patchwork.faces.first()?.surface;
-    let trimmed = Trimmed::of(patchwork)?;
+    let trimmed: Option<Vec<Trimmed>> = patchwork.panels.iter().map(Trimmed::of).collect();
+    let trimmed = trimmed?;
     let (us, vs) = (places(&s.knots_u.breaks(), grid), places(&s.knots_v.breaks(), grid));
     let mut table: Vec<(f64, f64, Vec3)> = Vec::new();
     for &u in &us {
         table.extend(vs.iter().map(|&v| (u, v, s.point(u, v))));
     }
-    let mut found: Vec<(f64, f64, f64)> = table.iter().map(|(u, v, x)| (trimmed.distance(x), *u, *v)).collect();
+    let mut found: Vec<(f64, f64, f64)> = table.iter().map(|(u, v, x)| (nearest(&trimmed, x), *u, *v)).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let from_face = found.iter().take(3).map(|f| climbed(s, &trimmed, f, grid)).fold(0.0, f64::max);
+    let mut from_panel = 0.0f64;
+    let panels = trimmed.iter().map(|t| bent(s, &table, t, grid, &mut from_panel)).collect();
+    for run in patchwork.panels.iter().flat_map(|p| p.loops()).flatten() {
+        for x in places(&run.edge.knots.breaks(), grid).into_iter().step_by(3) {
+            from_panel = from_panel.max(to_surface(s, &table, &Vec3::from(run.edge.point(x)), from_panel));
+        }
+    }
+    Some(Measured { from_face, from_panel, gap: gap(patchwork, grid), panels })
+}
 
-    let (mut from_panel, mut radius, mut clearance) = (0.0f64, f64::INFINITY, f64::INFINITY);
+/// Distance of a point from the nearest panel.
+fn nearest(trimmed: &[Trimmed], x: &Vec3) -> f64 {
+    trimmed.iter().map(|t| t.distance(x)).fold(f64::INFINITY, f64::min)
+}
+
+/// How a panel is bent; raises the largest distance of panels from the face.
+fn bent(s: &Surface, table: &[(f64, f64, Vec3)], trimmed: &Trimmed, grid: usize, from_panel: &mut f64) -> Bent {
+    let mut out = Bent { radius: f64::INFINITY, clearance: f64::INFINITY };
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for p in &trimmed.outline {
         for d in 0..2 {
@@ -231,17 +262,39 @@ pub fn measure(patchwork: &Patchwork, grid: usize) -> Option<Measured> {
         if !sure && !trimmed.contains(q) {
             continue;
         }
-        from_panel = from_panel.max(to_surface(s, &table, &trimmed.patch.point(q[0], q[1]), from_panel));
+        *from_panel = from_panel.max(to_surface(s, table, &trimmed.patch.point(q[0], q[1]), *from_panel));
         if let Some((k, c)) = shape(trimmed.patch, q[0], q[1]) {
-            radius = radius.min(1.0 / k);
-            clearance = clearance.min(c);
+            out = Bent { radius: out.radius.min(1.0 / k), clearance: out.clearance.min(c) };
         }
     }
-    Some(Measured { from_face, from_panel, radius, clearance })
+    out
+}
+
+/// Largest distance between both sides of the seam at equal parameters.
+fn gap(patchwork: &Patchwork, grid: usize) -> f64 {
+    let sides: Vec<(&Surface, &Coedge, bool)> = patchwork
+        .panels
+        .iter()
+        .flat_map(|p| p.loops().iter().flatten().map(move |r| (&p.strip.patch, r)))
+        .filter_map(|(patch, r)| match r.border {
+            Border::Seam { forward, .. } => Some((patch, r, forward)),
+            _ => None,
+        })
+        .collect();
+    let [(p, a, forward), (q, b, back)] = sides[..] else { return 0.0 };
+    let mut at = places(&a.trim.knots.breaks(), grid);
+    at.extend(places(&b.trim.knots.breaks(), grid).into_iter().map(|x| if forward == back { x } else { 1.0 - x }));
+    let on = |patch: &Surface, run: &Coedge, x: f64| {
+        let [t, r] = run.trim.point(x);
+        patch.point(t, r)
+    };
+    at.into_iter()
+        .map(|x| (on(p, a, x) - on(q, b, if forward == back { x } else { 1.0 - x })).norm())
+        .fold(0.0, f64::max)
 }
 
 /// The distance at a place after steps uphill, each half as long as the one before when nothing is gained.
-fn climbed(s: &Surface, trimmed: &Trimmed, start: &(f64, f64, f64), grid: usize) -> f64 {
+fn climbed(s: &Surface, trimmed: &[Trimmed], start: &(f64, f64, f64), grid: usize) -> f64 {
     let ((u0, u1), (v0, v1)) = s.domain();
     let &(mut best, mut u, mut v) = start;
     let (mut hu, mut hv) = ((u1 - u0) / grid as f64, (v1 - v0) / grid as f64);
@@ -249,7 +302,7 @@ fn climbed(s: &Surface, trimmed: &Trimmed, start: &(f64, f64, f64), grid: usize)
         let mut gained = false;
         for (du, dv) in [(hu, 0.0), (-hu, 0.0), (0.0, hv), (0.0, -hv)] {
             let (a, b) = ((u + du).clamp(u0, u1), (v + dv).clamp(v0, v1));
-            let d = trimmed.distance(&s.point(a, b));
+            let d = nearest(trimmed, &s.point(a, b));
             if d > best {
                 (best, u, v, gained) = (d, a, b, true);
             }

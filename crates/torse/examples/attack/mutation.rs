@@ -5,7 +5,7 @@ use torse::patchwork::panel::{Border, Patchwork};
 use torse::spline::knots::Knots;
 
 /// A change of a number, at a size beside the bound: the certificate may hold if its bound then does.
-pub const NUMBERS: [&str; 7] = [
+pub const NUMBERS: [&str; 9] = [
     "none",
     "control point of the face",
     "weight of the face",
@@ -13,10 +13,12 @@ pub const NUMBERS: [&str; 7] = [
     "control point of the patch",
     "control point of a trimming curve",
     "knot of a trimming curve",
+    "control point of an edge",
+    "knot of an edge",
 ];
 
 /// A change after which nothing may be certified.
-pub const FORGERIES: [&str; 7] = [
+pub const FORGERIES: [&str; 11] = [
     "triangle missing",
     "triangle twice",
     "triangle turned over",
@@ -24,6 +26,10 @@ pub const FORGERIES: [&str; 7] = [
     "loop reversed",
     "vertex of a run missing",
     "border called a seam",
+    "edge that is no number",
+    "one side of a seam called a border",
+    "seam that runs the same way on both sides",
+    "panel called the other one's",
 ];
 
 fn moved_knot(knots: &Knots, k: usize, by: f64) -> Option<Knots> {
@@ -37,7 +43,8 @@ fn moved_knot(knots: &Knots, k: usize, by: f64) -> Option<Knots> {
 pub fn number(p: &mut Patchwork, what: usize, size: f64, random: &mut Random) -> Option<()> {
     let by = random.sign() * size * random.scale(0.3, 4.0);
     let face = &mut p.faces.first_mut()?.surface;
-    let panel = p.panels.first_mut()?;
+    let which = random.below(p.panels.len());
+    let panel = p.panels.get_mut(which)?;
     let runs = panel.loops_mut().first_mut()?;
     let r = random.below(runs.len());
     match what {
@@ -69,17 +76,28 @@ pub fn number(p: &mut Patchwork, what: usize, size: f64, random: &mut Random) ->
             let k = 1 + random.below(c.len().checked_sub(2)?);
             c[k][random.below(2)] += by;
         }
-        _ => {
+        6 => {
             let trim = &mut runs.get_mut(r)?.trim;
             let k = 4 + random.below(trim.knots.values().len().checked_sub(8)?);
             trim.knots = moved_knot(&trim.knots, k, random.sign() * random.scale(1e-4, 1e-2))?;
+        }
+        7 => {
+            let c = &mut runs.get_mut(r)?.edge.control;
+            let k = 1 + random.below(c.len().checked_sub(2)?);
+            c[k][random.below(3)] += by * random.scale(1e-3, 1.0);
+        }
+        _ => {
+            let edge = &mut runs.get_mut(r)?.edge;
+            let k = 4 + random.below(edge.knots.values().len().checked_sub(8)?);
+            edge.knots = moved_knot(&edge.knots, k, random.sign() * random.scale(1e-4, 1e-2))?;
         }
     }
     Some(())
 }
 
-/// Changes what is counted, not measured.
+/// Changes what is counted, not measured. `None` where there is nothing to change: seams are those of two panels.
 pub fn forgery(p: &mut Patchwork, what: usize, random: &mut Random) -> Option<()> {
+    let seamed = p.seam_count > 0;
     let partition = p.partitions.first_mut()?;
     let panel = p.panels.first_mut()?;
     let k = random.below(partition.triangles.len());
@@ -106,10 +124,28 @@ pub fn forgery(p: &mut Patchwork, what: usize, random: &mut Random) -> Option<()
             run.vertices.remove(1);
             run.parameters.remove(1);
         }
-        _ => {
-            runs.get_mut(r)?.border = Border::Seam { seam: 0, forward: true };
+        6 => {
+            let border = &mut runs.get_mut(r)?.border;
+            if let Border::Seam { .. } = border {
+                return None;
+            }
+            *border = Border::Seam { seam: 0, forward: true };
             p.seam_count = 1;
         }
+        7 => {
+            let c = &mut runs.get_mut(r)?.edge.control;
+            let k = random.below(c.len());
+            c[k][random.below(3)] = f64::NAN;
+        }
+        8 | 9 if seamed => {
+            let side = runs.iter_mut().find(|r| matches!(r.border, Border::Seam { .. }))?;
+            side.border = match what {
+                8 => Border::Trim { edge: 1 },
+                _ => Border::Seam { seam: 0, forward: false },
+            };
+        }
+        10 if seamed => panel.trim.as_mut()?.label = 1,
+        _ => return None,
     }
     Some(())
 }

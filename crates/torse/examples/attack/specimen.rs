@@ -248,7 +248,31 @@ fn foot(ground: &Ground, x: &Vec3, near: f64) -> Option<[f64; 2]> {
     Some([t, l * wa / (l * wa + (1.0 - l) * wb)])
 }
 
-/// A random specimen; `None` where its feet leave the patch.
+/// The same ground, moved.
+fn moved(ground: &Ground, by: &Vec3) -> Ground {
+    let mut patch = ground.patch.clone();
+    for c in &mut patch.control {
+        let w = c[3];
+        (0..3).for_each(|d| c[d] += w * by[d]);
+    }
+    let torse = match &ground.torse {
+        Torse::Primal(t) => {
+            let mut t = t.clone();
+            t.frame.origin += by;
+            Torse::Primal(t)
+        }
+        Torse::Dual(t) => {
+            let mut planes = t.planes.clone();
+            planes.control.iter_mut().for_each(|c| c[3] += c[0] * by.x + c[1] * by.y + c[2] * by.z);
+            Torse::Dual(DualTorse { planes })
+        }
+        other => other.clone(),
+    };
+    Ground { torse, patch, range: ground.range }
+}
+
+/// A random specimen; `None` where its feet leave the patch. One in three has two panels that meet at a seam, the second on a
+/// torse that is moved by about the size.
 pub fn specimen(random: &mut Random, kind: usize) -> Option<(Patchwork, f64)> {
     let ground = if (kind == 0 || kind == 4) && random.below(2) == 0 { dual(random) } else { primal(random, kind) };
     let size = random.scale(1e-4, 2e-2);
@@ -260,33 +284,50 @@ pub fn specimen(random: &mut Random, kind: usize) -> Option<(Patchwork, f64)> {
     }
     let (nu, nv) = (us.len(), vs.len());
     let index = |i: usize, j: usize| (i * nv + j) as u32;
+    let cut = if random.below(3) == 0 { Some(1 + random.below(nu - 2)) } else { None };
     for i in 0..nu - 1 {
+        let label = u32::from(cut.is_some_and(|c| i >= c));
         for j in 0..nv - 1 {
             let (a, b, c, d) = (index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
             partition.triangles.extend([[a, b, c], [a, c, d]]);
-            partition.labels.extend([0, 0]);
+            partition.labels.extend([label, label]);
         }
     }
-    let sides = [
-        (0..nu).map(|i| index(i, 0)).collect::<Vec<_>>(),
-        (0..nv).map(|j| index(nu - 1, j)).collect(),
-        (0..nu).rev().map(|i| index(i, nv - 1)).collect(),
-        (0..nv).rev().map(|j| index(0, j)).collect(),
-    ];
-    let mut runs = Vec::new();
-    for (edge, vertices) in (0..).zip(sides) {
-        runs.push(run(&ground, &s, &partition, vertices, edge)?);
+    let seam = |forward: bool| Border::Seam { seam: 0, forward };
+    let mut panels = Vec::new();
+    let mut first = 0;
+    for (label, last) in (0..).zip(cut.into_iter().chain([nu - 1])) {
+        let own = match label {
+            0 => moved(&ground, &Vec3::zeros()),
+            _ => moved(&ground, &(Vec3::new(0.4, -0.3, 0.8) * (size * random.between(-1.0, 1.0)))),
+        };
+        let sides = [
+            (Border::Trim { edge: 0 }, (first..=last).map(|i| index(i, 0)).collect::<Vec<_>>()),
+            (
+                if last < nu - 1 { seam(true) } else { Border::Trim { edge: 1 } },
+                (0..nv).map(|j| index(last, j)).collect(),
+            ),
+            (Border::Trim { edge: 2 }, (first..=last).rev().map(|i| index(i, nv - 1)).collect()),
+            (
+                if first > 0 { seam(false) } else { Border::Trim { edge: 3 } },
+                (0..nv).rev().map(|j| index(first, j)).collect(),
+            ),
+        ];
+        let runs: Option<Vec<Coedge>> =
+            sides.into_iter().map(|(border, vertices)| run(&own, &s, &partition, vertices, border)).collect();
+        let (form, loops) = (PanelForm::Torse(own.torse), vec![runs?]);
+        panels.push(Panel {
+            strip: Strip { name: ["A", "B"][panels.len()].into(), kind: PanelKind::Torse, patch: own.patch },
+            trim: Some(PanelTrim { face: 0, label, form, loops }),
+            outline: Vec::new(),
+        });
+        first = last;
     }
-    let panel = Panel {
-        strip: Strip { name: "A".into(), kind: PanelKind::Torse, patch: ground.patch.clone() },
-        trim: Some(PanelTrim { face: 0, label: 0, form: PanelForm::Torse(ground.torse.clone()), loops: vec![runs] }),
-        outline: Vec::new(),
-    };
-    let faces = vec![Face::untrimmed(s)];
-    Some((Patchwork { faces, partitions: vec![partition], panels: vec![panel], seam_count: 0, joint_count: 0 }, size))
+    let (faces, seam_count) = (vec![Face::untrimmed(s)], panels.len() - 1);
+    Some((Patchwork { faces, partitions: vec![partition], panels, seam_count, joint_count: 0 }, size))
 }
 
-fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, edge: u32) -> Option<Coedge> {
+fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, border: Border) -> Option<Coedge> {
     let at = |k: u32| partition.vertices[k as usize];
     let (a, b) = (at(vertices[0]), at(vertices[vertices.len() - 1]));
     let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).abs() + (p[1] - q[1]).abs();
@@ -318,5 +359,5 @@ fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, 
         let [t, r] = trim.point(x);
         ground.patch.point(t, r).into()
     });
-    Some(Coedge { border: Border::Trim { edge }, vertices, parameters, trim, edge: space })
+    Some(Coedge { border, vertices, parameters, trim, edge: space })
 }
