@@ -1,8 +1,9 @@
 //! Strip potentials whose bands follow what a user asks for, and rings (B2, B3): see `layout`.
 
 use super::halve::axes;
+use super::job::Job;
 use super::layout::DirectionField;
-use super::{Job, State};
+use super::state::State;
 use crate::fit::strip_potential::{directed_strip_potentials, StripPotential, StripPotentialOptions};
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;

@@ -8,9 +8,9 @@
 //! is left to regions where this fails; what it leaves is laid anew in this way where its errors say that this pays.
 
 use super::halve::range;
+use super::job::{Job, DISTANCE_SHARE};
 use super::propose::{Attempt, AttemptOptions};
-use super::state::Density;
-use super::{Job, State, DISTANCE_SHARE};
+use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::spline::field::Field;

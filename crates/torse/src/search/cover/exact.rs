@@ -1,8 +1,9 @@
 //! What is developable already stays what it is: the torse of the surface itself, tried before any other
 //! (docs/algorithms/cover.md, "What is developable already").
 
-use super::state::Density;
-use super::{layout, CoverOptions, Job, State, DISTANCE_SHARE};
+use super::job::{CoverOptions, Job, DISTANCE_SHARE};
+use super::layout;
+use super::state::{Density, State};
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
 use crate::certify::distance::{distance, DistanceOptions};

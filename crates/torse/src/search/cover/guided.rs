@@ -13,9 +13,9 @@
 //! face; closed curves become two halves.
 
 use super::curve_on_face::{carried_on, lines, CurveError, PanelCurve};
+use super::job::{Job, DISTANCE_SHARE};
 use super::layout::DirectionField;
-use super::state::{Density, Origin};
-use super::{is_complete, Job, State, DISTANCE_SHARE};
+use super::state::{Density, Origin, State};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
 use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
@@ -105,9 +105,9 @@ impl Job<'_> {
             return found;
         }
         let directed = self.covered(state.clone(), &directions);
-        let count = Self::count(&directed) as f64;
-        if !is_complete(&directed) || promised.is_none_or(|n| count > n) {
-            let most = if is_complete(&directed) { MORE * count } else { f64::INFINITY };
+        let count = directed.panels.len() as f64;
+        if !directed.is_complete() || promised.is_none_or(|n| count > n) {
+            let most = if directed.is_complete() { MORE * count } else { f64::INFINITY };
             if let Some(found) = self.within(&state, curves, most).filter(|_| !self.control.stopped()) {
                 return found;
             }
@@ -132,7 +132,7 @@ impl Job<'_> {
         let found = self.guided(state.clone(), curves);
         let found = self.covered(found, &DirectionField::Free);
         self.options.max_panels = whole;
-        is_complete(&found).then_some(found)
+        found.is_complete().then_some(found)
     }
 
     /// Names the panel in which most of a curve lies after it.

@@ -1,8 +1,9 @@
 //! Bands of a strip potential: greedy marching with width control, every component on its own (B3.6, C5).
 
 use super::halve::range;
+use super::job::{Job, DISTANCE_SHARE};
 use super::propose::AttemptOptions;
-use super::{Job, State};
+use super::state::State;
 use crate::fit::near::centre_line::centre_line;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
@@ -260,7 +261,7 @@ impl Job<'_> {
             if let [b] = bands[..] {
                 from = trial.panels.get(&b).cloned().or(refused.map(Arc::new)).or(from);
             }
-            let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
+            let share = error / (self.options.tolerance * DISTANCE_SHARE);
             if ok {
                 if whole {
                     return Some((trial, Vec::new()));

@@ -1,9 +1,10 @@
 //! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
 
 use super::halve::{axes, cut_across, range};
+use super::job::Job;
 use super::layout::same_side;
 use super::state::Density;
-use super::{Job, State};
+use super::state::State;
 use crate::fit::near::dual::CentrePoint;
 use std::collections::HashSet;
 use std::sync::Arc;

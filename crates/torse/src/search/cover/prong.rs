@@ -1,7 +1,9 @@
 //! Prongs: narrow parts that reach far beyond the rest of a region. They bend where they should not when a panel is handled,
 //! and are given to a neighbour where that can be proven.
 
-use super::{halve, Job, State};
+use super::halve;
+use super::job::Job;
+use super::state::State;
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
 use crate::spline::surface::Surface;

@@ -1,8 +1,8 @@
 //! One region, one torse: propose, judge, refine. A torse is accepted only by the certificate; where that refuses,
 //! its witness becomes a sample of the next fit, for bands laid all at once with all peaks between the samples so far.
 
-use super::state::Density;
-use super::{Job, State, DISTANCE_SHARE};
+use super::job::{Job, DISTANCE_SHARE};
+use super::state::{Density, State};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::{Obstruction, Verdict};
 use crate::fit::near::centre_line::{has_inflection, spans_along};

@@ -6,7 +6,8 @@
 
 use super::equidistribute::Rise;
 use super::halve::range;
-use super::{bare, CoverOptions, Job, State, DISTANCE_SHARE};
+use super::job::{CoverOptions, Job, DISTANCE_SHARE};
+use super::state::State;
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::strip_potential::Forms;
@@ -91,7 +92,7 @@ pub(crate) fn recounted(
 /// anew: triangles beside borders that are gone would be thin.
 fn without(face: &Face, state: &State, chain: &Chain, tolerance: f64) -> Option<(State, u32)> {
     if chain.labels.len() == state.panels.len() {
-        return Some((bare(face, tolerance).ok()?, 0));
+        return Some((State::bare(face, tolerance).ok()?, 0));
     }
     let mut out = state.clone();
     let whole = chain.labels[0];

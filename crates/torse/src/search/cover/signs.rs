@@ -4,7 +4,8 @@
 //! Hills force one sign, valleys the other, saddles may take either; all costs are lengths in the metric |II|, so
 //! the labelling does not depend on the tolerance.
 
-use super::{Job, State};
+use super::job::Job;
+use super::state::State;
 use crate::num::max_flow::LabelGraph;
 use crate::patchwork::partition::edges;
 use crate::spline::field::Field;

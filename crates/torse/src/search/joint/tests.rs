@@ -13,6 +13,7 @@ use crate::num::runs::Runs;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use crate::torse::form::{DualTorse, PanelKind};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 const RADIUS: f64 = 500.0;
