@@ -32,7 +32,7 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
     let lined_up = planes.iter().find_map(|planes| {
         let surface = &task.face.surface;
         let heights: Vec<_> = planes.iter().map(|p| |uv: [f64; 2]| p.height(&surface.point(uv[0], uv[1]))).collect();
-        let cut = task.laid(laid.state.cut_where(task.face, &heights), planes.clone());
+        let cut = task.laid(laid.state.cut_where(&heights), planes.clone());
         let cut = cut_until_it_fits(task, cut);
         fits(task, &cut).then_some(cut)
     });
@@ -87,7 +87,7 @@ fn gridded(task: &Task) -> Option<Laid> {
         let places = (0..2).flat_map(|k| wanted[k].iter().map(move |at| (k, *at)));
         let places: Vec<(usize, f64)> = places.map(|(k, at)| (k, nearest(&drawn[k], at))).collect();
         let heights: Vec<_> = places.iter().map(|&(k, at)| move |uv: [f64; 2]| uv[k] - at).collect();
-        let cut = exactly(task.face, &task.options, task.control, state.cut_where(task.face, &heights))?;
+        let cut = exactly(task.face, &task.options, task.control, state.cut_where(&heights))?;
         let cut = task.laid(cut, Vec::new());
         fits(task, &cut).then_some(cut)
     })
@@ -175,7 +175,7 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
         if large.is_empty() || !laid.accepted || task.control.stopped() || panels > task.options.max_panels {
             break;
         }
-        laid = task.laid(laid.state.cut_large(task.face, &large), laid.seams);
+        laid = task.laid(laid.state.cut_large(&large), laid.seams);
     }
     laid
 }

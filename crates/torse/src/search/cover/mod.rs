@@ -50,7 +50,7 @@ pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
 pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
-pub(crate) use recount::{recounted, Recount};
+pub(crate) use recount::Recount;
 pub(in crate::search) use seam_line::SeamLine;
 use state::Density;
 pub use state::{Origin, State};
@@ -124,7 +124,7 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
         return Ok(Cover { state, complete: true });
     }
     let mut state = State::bare(face, options.tolerance)?;
-    layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
+    state.cut_along_seams(&options.layout, options.tolerance);
     let mut job = Job::new(face, options, control);
     let state = match options.layout.curves.as_slice() {
         [] => {
@@ -147,7 +147,7 @@ pub(crate) fn check_curves(
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
     let state = State::of_face(face, f64::INFINITY)?;
     let control = Control::default();
-    Ok(guided::checked(&Job::new(face, options, &control), &state, curves))
+    Ok(Job::new(face, options, &control).checked(&state, curves))
 }
 
 /// As [`check_curves`], for curves of seams: any curve on a face is of use.
@@ -157,7 +157,7 @@ pub(crate) fn check_seam_curves(
     tolerance: f64,
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
     let state = State::of_face(face, f64::INFINITY)?;
-    Ok(curves.iter().map(|c| curve_on_face::lines(face, &state, c, tolerance).map(drop)).collect())
+    Ok(curves.iter().map(|c| state.lines_of(c, tolerance).map(drop)).collect())
 }
 
 impl<'a> Job<'a> {
@@ -168,7 +168,7 @@ impl<'a> Job<'a> {
                 continue;
             }
             let around = match self.options.layout.kind {
-                LayoutKind::Rings => directed_bands::rings(self, &mut state, label),
+                LayoutKind::Rings => self.rings(&mut state, label),
                 LayoutKind::Auto | LayoutKind::Strips => None,
             };
             let (directions, parts) = match around {
@@ -276,7 +276,7 @@ impl<'a> Job<'a> {
             }
         }
         // Around a flat point of saddles no strip potential is good, even if samples do not tell.
-        let stars = if fewest { umbilic::stars(&self.face.surface, &state, label) } else { Vec::new() };
+        let stars = if fewest { state.stars(label) } else { Vec::new() };
         if limit > 0 && (good.is_empty() || !stars.is_empty()) {
             if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
                 keep(next, &mut best, &mut limit);
@@ -422,15 +422,14 @@ impl<'a> Job<'a> {
                 StripPotentialOptions { rounds: 3, control: self.control.clone(), ..StripPotentialOptions::default() };
             strip_potential(&s.forms(l, 160), &s.places(l), &options)
         };
-        let surface = &self.face.surface;
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
             .into_par_iter()
             .filter_map(|k| {
                 let mut s = state.clone();
                 let parts = match k {
                     0 => self.cut_by_sign(&mut s, label)?,
-                    1..4 => halve::halve(surface, &mut s, label, k - 1)?,
-                    _ => stars[k - 4].cut(surface, &mut s, label)?,
+                    1..4 => s.halve(label, k - 1)?,
+                    _ => stars[k - 4].cut(&mut s, label)?,
                 };
                 let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
                 Some((merit, s, parts))
@@ -456,7 +455,7 @@ impl<'a> Job<'a> {
 
     /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
     fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = halve::halve(&self.face.surface, &mut state, label, 0)?;
+        let parts = state.halve(label, 0)?;
         self.parts(state, &parts, budget, depth)
     }
 }
@@ -480,71 +479,40 @@ pub(crate) fn strip_range(face: &Face) -> Option<f64> {
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
-/// A torse that is proven on a region, from those that were tried on about the same, else without.
-pub(crate) fn laid_anew<'a>(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    (state, label): (&State, u32),
-    from: impl Iterator<Item = &'a Arc<Fit>>,
-) -> Option<Arc<Fit>> {
-    let job = Job::new(face, options, control);
-    let samples = state.dense_samples(&face.surface, label, Density::Band);
-    let mut tried = from.map(|fit| job.proven(state, label, (**fit).clone(), samples.clone()));
-    tried.find_map(|t| t.accepted).or_else(|| job.single(state, label, None).accepted)
-}
-
-/// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
-/// by two.
-/// `None` where neither can be proven.
-pub(crate) fn without_sliver(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    label: u32,
-) -> Option<State> {
-    let job = Job::new(face, options, control);
-    let mut bare = state.clone();
-    bare.panels.remove(&label);
-    job.absorbed(&bare, label, None).or_else(|| job.as_one(&bare, label)).or_else(|| job.shared(&bare, label))
-}
-
-/// Whether a part of a panel that is narrower than `width` (mm) reaches far beyond the rest.
-pub(crate) fn has_prong(state: &State, (label, width): (u32, f64)) -> bool {
-    prong::Prong::of(state, label, width).is_some()
-}
-
-/// A panel whose longest part narrower than `width` (mm) is given to a neighbour, if it reaches far beyond the rest. `None` if
-/// there is no such part, or no neighbour is proven to be good for it.
-pub(crate) fn without_prong(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    (label, width): (u32, f64),
-) -> Option<State> {
-    Job::new(face, options, control).without_prong(state, label, width)
-}
-
-/// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
-/// anew.
-pub(crate) fn cut_refused(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    refused: &[u32],
-) -> Option<State> {
-    let job = Job::new(face, options, control);
-    let mut state = state.clone();
-    for &label in refused {
-        state.panels.remove(&label);
-        if let Some(next) = job.absorbed(&state, label, None) {
-            state = next;
-            continue;
-        }
-        state = job.bisect(state, label, usize::MAX, 0)?;
+impl Job<'_> {
+    /// A torse that is proven on a region, from those that were tried on about the same, else without.
+    pub(crate) fn laid_anew<'a>(
+        &self,
+        state: &State,
+        label: u32,
+        from: impl Iterator<Item = &'a Arc<Fit>>,
+    ) -> Option<Arc<Fit>> {
+        let samples = state.dense_samples(label, Density::Band);
+        let mut tried = from.map(|fit| self.proven(state, label, (**fit).clone(), samples.clone()));
+        tried.find_map(|t| t.accepted).or_else(|| self.single(state, label, None).accepted)
     }
-    Some(state)
+
+    /// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
+    /// by two.
+    /// `None` where neither can be proven.
+    pub(crate) fn without_sliver(&self, state: &State, label: u32) -> Option<State> {
+        let mut bare = state.clone();
+        bare.panels.remove(&label);
+        self.absorbed(&bare, label, None).or_else(|| self.as_one(&bare, label)).or_else(|| self.shared(&bare, label))
+    }
+
+    /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
+    /// anew.
+    pub(crate) fn cut_refused(&self, state: &State, refused: &[u32]) -> Option<State> {
+        let mut state = state.clone();
+        for &label in refused {
+            state.panels.remove(&label);
+            if let Some(next) = self.absorbed(&state, label, None) {
+                state = next;
+                continue;
+            }
+            state = self.bisect(state, label, usize::MAX, 0)?;
+        }
+        Some(state)
+    }
 }

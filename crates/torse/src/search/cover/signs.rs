@@ -84,7 +84,7 @@ impl Job<'_> {
             .collect();
         let field = smooth(state.partition.bounds(label), &places)?;
         let fresh = state.partition.fresh_label();
-        state.cut(&self.face.surface, label, fresh, |p| field.value(p));
+        state.cut(label, fresh, |p| field.value(p));
         let mut parts = state.partition.split_components(label);
         parts.extend(state.partition.split_components(fresh));
         parts.retain(|p| state.partition.labels.contains(p));

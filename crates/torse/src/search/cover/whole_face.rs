@@ -1,6 +1,6 @@
 //! What is asked of all regions of a face at once, and cuts through all of them: docs/algorithms/cover.md.
 
-use super::halve;
+use super::halve::axes_of;
 use super::state::State;
 use crate::brep::face::Face;
 use crate::control::Control;
@@ -45,7 +45,7 @@ impl State {
 
     /// Principal axes of a face's vertices, longest first.
     pub fn axes(&self) -> [Vec3; 3] {
-        halve::axes_of(&self.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
+        axes_of(&self.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
     }
 
     /// How far a face's vertices reach along an axis, mm.
@@ -71,13 +71,13 @@ impl State {
 
     /// Cuts panels into equal parts: `[along, across]` of each label; all parts keep the torse, which is good for each of
     /// them. A panel that a cut does not separate stays as it is.
-    pub(crate) fn cut_large(&self, face: &Face, large: &[(u32, [usize; 2])]) -> Self {
+    pub(crate) fn cut_large(&self, large: &[(u32, [usize; 2])]) -> Self {
         let mut state = self.clone();
         for &(label, parts) in large {
             let mut trial = state.clone();
             let Some(fit) = trial.panels.remove(&label) else { continue };
             let axis = usize::from(parts[0] < 2);
-            if let Some(cut) = halve::divide(&face.surface, &mut trial, label, axis, parts[axis]) {
+            if let Some(cut) = trial.divide(label, axis, parts[axis]) {
                 trial.panels.extend(cut.into_iter().map(|p| (p, Arc::clone(&fit))));
                 state = trial;
             }
@@ -86,13 +86,13 @@ impl State {
     }
 
     /// The same regions cut where functions of the parameters are zero; parts keep the torses of what is covered.
-    pub(crate) fn cut_where(&self, face: &Face, heights: &[impl Fn([f64; 2]) -> f64]) -> Self {
+    pub(crate) fn cut_where(&self, heights: &[impl Fn([f64; 2]) -> f64]) -> Self {
         let mut state = self.clone();
         for height in heights {
             for label in state.partition.distinct_labels() {
                 let mut trial = state.clone();
                 let fit = trial.panels.remove(&label);
-                if let Some(cut) = halve::parted(&face.surface, &mut trial, label, height) {
+                if let Some(cut) = trial.parted(label, height) {
                     let fits = cut.into_iter().filter_map(|p| Some((p, Arc::clone(fit.as_ref()?))));
                     trial.panels.extend(fits);
                     state = trial;
