@@ -191,7 +191,7 @@ fn not_read(name: &str, unread: &[(String, usize)]) -> Option<String> {
 ///
 /// # Errors
 /// See [`CurveError`].
-pub fn lines(
+pub(crate) fn lines(
     bytes: &[u8],
     name: &str,
     unit: Option<f64>,
