@@ -49,7 +49,7 @@ impl<R: Into<Reason>> From<R> for Skipped {
 
 /// What is missing from an answer, as an objection: such an answer is never certified, however good the rest is. `None`
 /// if nothing is missing.
-pub fn left_out(skipped: &[Skipped]) -> Option<Claim> {
+pub(crate) fn left_out(skipped: &[Skipped]) -> Option<Claim> {
     let first = skipped.first()?;
     Some(Claim::left_out(FaceReason::LeftOut {
         count: skipped.len(),

@@ -116,7 +116,7 @@ impl BoundaryStretch {
 
 /// The stretches of a face, loop by loop in the order of the face's loops, each loop with the material on its left seen
 /// against the outward normal.
-pub fn boundary_stretches(face: &Face) -> Vec<Vec<BoundaryStretch>> {
+pub(crate) fn boundary_stretches(face: &Face) -> Vec<Vec<BoundaryStretch>> {
     let loops = (0..face.loops.len()).map(|l| {
         let mut out: Vec<BoundaryStretch> = pieces(face, l).into_iter().flat_map(split_at_kinks).collect();
         if face.reversed {

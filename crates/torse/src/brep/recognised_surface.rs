@@ -92,7 +92,7 @@ const LENGTHS: usize = 64;
 const PARALLEL: f64 = 1e-7;
 
 /// Box `[u0, u1, v0, v1]` around a face's loops in the parameter plane.
-pub fn bounds(face: &Face) -> [f64; 4] {
+pub(crate) fn bounds(face: &Face) -> [f64; 4] {
     let none = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
     let points = face.loops.iter().flat_map(|l| &l.points);
     points.fold(none, |b, p| [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])])
@@ -106,7 +106,7 @@ const FADES: f64 = 1e-3;
 
 /// The outward normal of a face at a place, or, where control points coincide, right beside it; `None` where the surface has
 /// none.
-pub fn outward(face: &Face, uv: [f64; 2]) -> Option<Vec3> {
+pub(crate) fn outward(face: &Face, uv: [f64; 2]) -> Option<Vec3> {
     let normal = |[u, v]: [f64; 2]| face.surface.jet(u, v).normal();
     let ((u0, u1), (v0, v1)) = face.surface.domain();
     let middle = [0.5 * (u0 + u1), 0.5 * (v0 + v1)];
@@ -172,7 +172,7 @@ fn plane(face: &Face, places: &[[f64; 2]], points: &[Vec3], slack: f64) -> Optio
 }
 
 /// A frame with a given third axis.
-pub fn frame(origin: Vec3, z: Vec3) -> Frame {
+pub(crate) fn frame(origin: Vec3, z: Vec3) -> Frame {
     // Away from the axis that z is nearest to.
     let away = if z.x.abs() <= z.y.abs().min(z.z.abs()) {
         Vec3::x()

@@ -9,6 +9,8 @@
 //!
 //! Knows edges, maps and strokes; how they were found is not looked at.
 
+mod guide;
+mod motion;
 mod sector;
 
 use crate::geom::{Frame, Vec2, Vec3};
@@ -17,13 +19,13 @@ use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
+use guide::{arc_tangent, widened, Guide};
+use motion::{hull, local, placed, turns};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
 const SLACK: f64 = 1e-12;
-/// Relative error of trigonometric functions of the standard library, far above what any platform's library has.
-const TRIGONOMETRIC: f64 = 1e-14;
 /// Halvings of a part of an edge at most.
 const DEEPEST: usize = 14;
 /// The same about the apex of a cone.
@@ -73,68 +75,6 @@ fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
             images.windows(2).fold(bound, |b, w| b.max(near(end(&w[0], 1), end(&w[1], 0))))
         }
         _ => f64::INFINITY,
-    }
-}
-
-/// Line or circle of a stroke, enclosed.
-struct Guide {
-    start: [Interval; 2],
-    /// Unit direction of a line; of an arc, that from the centre to its middle.
-    way: [Interval; 2],
-    length: Interval,
-    /// Centre, radius, half the sweep and its sign.
-    circle: Option<([Interval; 2], Interval, Interval, f64)>,
-}
-
-impl Guide {
-    fn new(s: &Stroke) -> Option<Self> {
-        let at = |p: &Vec2| [Interval::point(p.x), Interval::point(p.y)];
-        let (a, b) = (at(&s.start), at(&s.end));
-        let chord = [b[0] - a[0], b[1] - a[1]];
-        let length = (chord[0].sqr() + chord[1].sqr()).sqrt();
-        if length.lo <= 0.0 {
-            return None;
-        }
-        if s.bulge == 0.0 {
-            let way = [chord[0] / length, chord[1] / length];
-            return Some(Self { start: a, way, length, circle: None });
-        }
-        let bulge = Interval::point(s.bulge);
-        let quarter = (Interval::ONE / bulge - bulge) * 0.25;
-        let half = Interval::point(0.5);
-        let centre = [(a[0] + b[0]) * half - chord[1] * quarter, (a[1] + b[1]) * half + chord[0] * quarter];
-        let radius = (((a[0] - centre[0]).sqr() + (a[1] - centre[1]).sqr()).sqrt()).abs();
-        let sign = s.bulge.signum();
-        // The middle of a counter-clockwise arc lies to the right of its chord.
-        let way = [chord[1] / length * sign, -(chord[0] / length) * sign];
-        let half_sweep = widened(2.0 * s.bulge.abs().atan());
-        Some(Self { start: a, way, length, circle: Some((centre, radius, half_sweep, sign)) })
-    }
-
-    /// Distance from the line or circle (signed), and way beyond its ends, of a place; both with their derivative where
-    /// the place has one: `(off, off', ahead, ahead')`. `ahead` is measured from the middle, mm.
-    fn measure(&self, p: [Interval; 2], d: [Interval; 2]) -> Option<[Interval; 4]> {
-        let Some((centre, radius, _, sign)) = self.circle else {
-            let v = [p[0] - self.start[0], p[1] - self.start[1]];
-            let dot = |v: [Interval; 2]| v[0] * self.way[0] + v[1] * self.way[1];
-            let perp = |v: [Interval; 2]| self.way[0] * v[1] - self.way[1] * v[0];
-            return Some([perp(v), perp(d), dot(v) - self.length * 0.5, dot(d)]);
-        };
-        let v = [p[0] - centre[0], p[1] - centre[1]];
-        let reach = (v[0].sqr() + v[1].sqr()).sqrt();
-        if reach.lo <= 0.0 {
-            return None;
-        }
-        let out = (v[0] * d[0] + v[1] * d[1]) / reach;
-        let along = (v[0] * d[1] - v[1] * d[0]) / reach.sqr() * radius * sign;
-        let (x, y) = (v[0] * self.way[0] + v[1] * self.way[1], self.way[0] * v[1] - self.way[1] * v[0]);
-        let angle = arc_tangent(y, x)?;
-        Some([reach - radius, out, angle * radius * sign, along])
-    }
-
-    /// Half the length of the stroke, mm.
-    fn half(&self) -> Interval {
-        self.circle.map_or(self.length * 0.5, |(_, radius, half_sweep, _)| radius * half_sweep)
     }
 }
 
@@ -241,38 +181,6 @@ fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Opt
     Some((placed(image, p), turned(d)))
 }
 
-/// Whole turns by which an angle about the axis is short of that of the point at `t`.
-fn turns(image: &EdgeImage, angle: f64, t: f64) -> f64 {
-    let share = (t - image.part[0]) / (image.part[1] - image.part[0]);
-    let near = image.angles[0] + (image.angles[1] - image.angles[0]) * share;
-    ((near - angle) / TAU).round()
-}
-
-/// A place in the plane of a map after its motion.
-fn placed(image: &EdgeImage, p: [Interval; 2]) -> [Interval; 2] {
-    let [c, s] = image.turn.map(Interval::point);
-    [c * p[0] - s * p[1] + Interval::point(image.shift.x), s * p[0] + c * p[1] + Interval::point(image.shift.y)]
-}
-
-fn local(f: &Frame, v: [Interval; 3]) -> [Interval; 3] {
-    let dot = |a: &Vec3| v[0] * a.x + v[1] * a.y + v[2] * a.z;
-    [dot(&f.x), dot(&f.y), dot(&f.z)]
-}
-
-/// A number from a trigonometric function, with its error.
-fn widened(x: f64) -> Interval {
-    Interval::point(x).widen(TRIGONOMETRIC * (1.0 + x.abs()))
-}
-
-/// Angle of small boxes: that of the middle, with the angle under which the box is seen.
-fn arc_tangent(y: Interval, x: Interval) -> Option<Interval> {
-    let away = (x.sqr() + y.sqr()).sqrt();
-    let box_radius = (Interval::point(x.rad()).sqr() + Interval::point(y.rad()).sqr()).sqrt();
-    let share = (box_radius / away).hi;
-    // sin of the angle is at most the share; below a half the angle is at most 1.1 times it.
-    (away.lo > 0.0 && share < 0.5).then(|| widened(y.mid().atan2(x.mid())).widen((1.1 * share).next_up()))
-}
-
 /// Parts of an edge between its knots, in the direction drawn.
 fn smooth_parts(image: &EdgeImage) -> Vec<[f64; 2]> {
     let [a, b] = image.part;
@@ -352,10 +260,6 @@ fn enclosed(points: &[[Interval; 4]], width: Interval) -> Option<([Interval; 3],
 pub(super) fn root_between(least: Interval, off: f64) -> Interval {
     let square = (least.sqr() - Interval::point(off)).lo.max(0.0);
     Interval::point((least + Interval::point(square).sqrt()).lo)
-}
-
-fn hull(all: impl Iterator<Item = Interval>) -> Interval {
-    all.reduce(Interval::hull).unwrap_or(Interval::EVERYTHING)
 }
 
 /// Relative change of lengths by a map: how far its frame and its turn are from orthonormal.

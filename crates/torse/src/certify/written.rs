@@ -77,7 +77,7 @@ impl WrittenCertificate {
 }
 
 /// The comparison of what a reader found, or its complaint.
-pub fn of<T>(read: Result<T, String>, compare: impl FnOnce(&T) -> WrittenCertificate) -> WrittenCertificate {
+pub(crate) fn of<T>(read: Result<T, String>, compare: impl FnOnce(&T) -> WrittenCertificate) -> WrittenCertificate {
     match read {
         Ok(found) => compare(&found),
         Err(words) => WrittenCertificate::refused(WrittenFault::Unreadable(words)),

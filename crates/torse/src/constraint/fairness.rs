@@ -7,14 +7,14 @@ use super::stencil::Stencil;
 use crate::spline::knots::Knots;
 
 /// Greville abscissae: the parameters that control points stand for.
-pub fn greville(knots: &Knots) -> Vec<f64> {
+pub(crate) fn greville(knots: &Knots) -> Vec<f64> {
     let p = knots.degree();
     let v = knots.values();
     (0..knots.control_count()).map(|i| v[i + 1..=i + p].iter().sum::<f64>() / p as f64).collect()
 }
 
 /// Differences of order `order` of control points over their abscissae. Points whose abscissae coincide have none.
-pub fn differences(abscissae: &[f64], points: &[u32], order: usize) -> Vec<Stencil> {
+pub(crate) fn differences(abscissae: &[f64], points: &[u32], order: usize) -> Vec<Stencil> {
     let n = abscissae.len().min(points.len());
     if n <= order || order == 0 {
         return Vec::new();
@@ -38,7 +38,7 @@ pub fn differences(abscissae: &[f64], points: &[u32], order: usize) -> Vec<Stenc
 }
 
 /// Second difference of three points across strips.
-pub fn across(a: u32, b: u32, c: u32) -> Stencil {
+pub(crate) fn across(a: u32, b: u32, c: u32) -> Stencil {
     Stencil(vec![(a, 1.0), (b, -2.0), (c, 1.0)])
 }
 

@@ -67,7 +67,7 @@ const NO_BULGE: f64 = 1e-9;
 /// *Guarantee*: first and last point are those of the curve; tangents agree at inner joints to rounding. Tolerances
 /// below 1e-10 of the curve's extent are taken for that: the error returned is what was reached.
 /// *Not guaranteed*: the tolerance itself where the curve has a kink inside; the error returned is honest then.
-pub fn arcs(curve: &impl PlaneCurve, tolerance: f64) -> (Vec<ArcPiece>, f64) {
+pub(crate) fn arcs(curve: &impl PlaneCurve, tolerance: f64) -> (Vec<ArcPiece>, f64) {
     let start = curve.place(0.0);
     let extent = (1..=SEARCH).map(|k| (curve.place(k as f64 / SEARCH as f64) - start).norm()).fold(0.0, f64::max);
     let tolerance = tolerance.max(FINEST * extent);
@@ -208,7 +208,7 @@ pub fn distance_to_arc(x: &Vec2, a: &Vec2, b: &Vec2, bulge: f64) -> f64 {
 }
 
 /// Centre and radius of the arc from `a` to `b`; `bulge` not 0.
-pub fn circle(a: &Vec2, b: &Vec2, bulge: f64) -> (Vec2, f64) {
+pub(crate) fn circle(a: &Vec2, b: &Vec2, bulge: f64) -> (Vec2, f64) {
     let chord = b - a;
     let left = Vec2::new(-chord.y, chord.x);
     let centre = (a + b) * 0.5 + left * (0.25 * (1.0 / bulge - bulge));

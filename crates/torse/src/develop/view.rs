@@ -24,7 +24,7 @@ pub struct Drawn {
 const PLACES: (usize, usize) = (24, 3);
 
 /// Points of a strip with its normals, as long as the area that they stand for, on the side to which ruling × rail points.
-pub fn sides(strip: &Strip) -> Vec<(Vec3, Vec3)> {
+pub(crate) fn sides(strip: &Strip) -> Vec<(Vec3, Vec3)> {
     let (a, b) = strip.domain();
     let share = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
     (0..PLACES.0 * PLACES.1)
@@ -61,7 +61,7 @@ pub(crate) fn cones_viewed(pattern: Pattern, spline: &ConeSpline, view: ViewSide
 }
 
 /// Middle of all strips of a job.
-pub fn centre(strips: &[Strip]) -> Vec3 {
+pub(crate) fn centre(strips: &[Strip]) -> Vec3 {
     let all: Vec<(Vec3, Vec3)> = strips.iter().flat_map(sides).collect();
     middle(&all)
 }
@@ -89,7 +89,7 @@ pub(crate) fn panels_viewed(patchwork: &Patchwork, patterns: Vec<Pattern>, view:
 }
 
 /// A pattern as it is seen from the side that is wanted.
-pub fn seen_from(pattern: Pattern, view: ViewSide) -> Pattern {
+pub(crate) fn seen_from(pattern: Pattern, view: ViewSide) -> Pattern {
     if pattern.view == view {
         pattern
     } else {

@@ -28,7 +28,7 @@ pub fn panel(index: usize) -> Rgb {
 pub const NOT_CERTIFIED: Rgb = [0.86, 0.16, 0.16];
 
 /// The colour of the `index`-th panel, or that of what must not be cut.
-pub fn shown(index: usize, marked: bool) -> Rgb {
+pub(crate) fn shown(index: usize, marked: bool) -> Rgb {
     if marked {
         NOT_CERTIFIED
     } else {
@@ -49,7 +49,7 @@ const DEVIATION_STOPS: [(f64, f64, f64); 7] = [
 
 /// Colour of a deviation, given as a share of the tolerance: −1 blue, 0 white, 1 red, beyond ±1 (and for values
 /// that are not numbers) magenta.
-pub fn deviation(share: f64) -> Rgb {
+pub(crate) fn deviation(share: f64) -> Rgb {
     // Room for rounding of values that lie exactly at the tolerance.
     const LIMIT: f64 = 1.0 + 1e-9;
     const BEYOND: Rgb = [0.80, 0.0, 0.75];
@@ -105,7 +105,7 @@ pub(crate) fn hex(c: Rgb) -> String {
 }
 
 /// Rounded to 8 bits per channel.
-pub fn bytes(c: Rgb) -> [u8; 3] {
+pub(crate) fn bytes(c: Rgb) -> [u8; 3] {
     c.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 

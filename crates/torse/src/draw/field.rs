@@ -41,7 +41,7 @@ pub struct Sample {
 const GRID: [usize; 2] = [48, 24];
 
 /// Means of the samples around the places of a grid on every strip; empty places take their neighbours' mean.
-pub fn means(strips: &[Strip], samples: impl Iterator<Item = Sample>) -> Vec<PanelField> {
+pub(crate) fn means(strips: &[Strip], samples: impl Iterator<Item = Sample>) -> Vec<PanelField> {
     let [along, across] = GRID;
     let (nu, nv) = (along + 1, across + 1);
     let mut sums = vec![vec![(0.0_f64, 0.0_f64); nu * nv]; strips.len()];

@@ -36,7 +36,7 @@ pub struct FlatPiece {
 
 /// Patterns rotated (rad, counter-clockwise) and then moved, arcs replaced by chords at most `chord_error` (mm)
 /// away from them. Patterns without a placement stay where they are.
-pub fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_error: f64) -> Vec<FlatPiece> {
+pub(crate) fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_error: f64) -> Vec<FlatPiece> {
     patterns
         .iter()
         .enumerate()

@@ -86,12 +86,12 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
 }
 
 /// The signed deviation of the panels from the surface, with a legend from −tolerance to +tolerance (mm).
-pub fn deviation(scene: &Scene, direction: &Vec3, tolerance: f64, caption: &Caption) -> Image {
+pub(crate) fn deviation(scene: &Scene, direction: &Vec3, tolerance: f64, caption: &Caption) -> Image {
     values(scene, direction, tolerance, "deviation, mm", caption)
 }
 
 /// The values at the vertices of the panels, with a legend from −limit to +limit and the words `what`.
-pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: &Caption) -> Image {
+pub(crate) fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: &Caption) -> Image {
     let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
     for panel in &scene.panels {
         triangles(&mut drawing, &camera, &panel.mesh, Paint::Deviation, 1.0 / limit);
@@ -119,7 +119,7 @@ fn value_legend(drawing: &mut Drawing, limit: f64, what: &str) {
 /// Points coloured by their values over the strips in grey, with a legend from −limit to +limit and the words `what`.
 /// Without strips the points alone are shown. Points beyond the limit are larger; those outside the picture, which shows
 /// all strips, are missing, and counted in the answer.
-pub fn points(
+pub(crate) fn points(
     scene: &Scene,
     (points, values): (&[Vec3], &[f64]),
     direction: &Vec3,
@@ -260,7 +260,7 @@ fn piece_names(drawing: &mut Drawing, pieces: &[FlatPiece], place: impl Fn(&Vec2
 }
 
 /// A number with so many significant digits, without exponent between 1e-4 and 1e7.
-pub fn figure(x: f64, digits: usize) -> String {
+pub(crate) fn figure(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".into();
     }

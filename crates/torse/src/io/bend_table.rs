@@ -37,7 +37,7 @@ pub struct SheetBendRecord {
 }
 
 /// The bends of a part.
-pub fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
+pub(crate) fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
     let number = |x: f64| x.is_finite().then_some(x);
     let record = |b: &SheetBend| SheetBendRecord {
         kind: b.kind.name().into(),

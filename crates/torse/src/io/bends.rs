@@ -25,7 +25,7 @@ pub struct BendRecord {
 }
 
 /// The bend lines of a pattern in the order in which they are drawn.
-pub fn records(pattern: &Pattern) -> Vec<BendRecord> {
+pub(crate) fn records(pattern: &Pattern) -> Vec<BendRecord> {
     pattern
         .rulings
         .iter()

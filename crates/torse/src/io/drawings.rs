@@ -34,7 +34,7 @@ pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
 
 /// The first entity of a DXF drawing that another program turned over or tilted: it has a direction of extrusion other than
 /// +z, and its coordinates are not those of the drawing. In plain words, with the entity's handle.
-pub fn turned_over(bytes: &[u8]) -> Option<String> {
+pub(crate) fn turned_over(bytes: &[u8]) -> Option<String> {
     // What is no drawing at all is told by `dxf`.
     let groups = groups(bytes).ok()?;
     let mut own = entities(&groups).filter(|e| !is_beside(e));

@@ -102,7 +102,7 @@ pub struct FigureRecord {
 }
 
 /// The value of a figure among several; `None` if there is none, or if it is infinite or unknown.
-pub fn value(figures: &[FigureRecord], what: What) -> Option<f64> {
+pub(crate) fn value(figures: &[FigureRecord], what: What) -> Option<f64> {
     figures.iter().find(|f| f.what == words::id(what))?.value
 }
 

@@ -1,35 +1,12 @@
 //! Strips of quadrilaterals from files: tables of rulings, tables of two polylines, Wavefront OBJ with quadrilateral
 //! faces. Formats and the order of faces only.
 
+mod error;
 pub(super) mod obj;
 mod table;
 
-use crate::torse::quad_strip::{QuadStrip, QuadStripError};
-
-/// Why there is no strip in a file.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum QuadReadError {
-    /// A line that cannot be understood.
-    #[error("line {line}: {reason}")]
-    Line {
-        /// Line number from 1.
-        line: usize,
-        /// What is wrong.
-        reason: String,
-    },
-    /// Not a text file.
-    #[error("this is not a text file; a strip is a table (.csv) or a Wavefront OBJ file (.obj)")]
-    NotText,
-    /// Nothing in it.
-    #[error("the file holds no rulings; a table has six numbers on each line, both ends of a ruling")]
-    Empty,
-    /// A mesh that is no strip.
-    #[error("the mesh is no open strip of quadrilaterals: {0}")]
-    NoStrip(String),
-    /// The points make no strip.
-    #[error(transparent)]
-    Strip(#[from] QuadStripError),
-}
+use crate::torse::quad_strip::QuadStrip;
+pub use error::QuadReadError;
 
 /// Most rulings of a file; beyond it the file is no strip.
 const MOST: usize = 1 << 18;

@@ -2,6 +2,7 @@
 //! `patterns.svg`), `bends.csv` and `bend_table.csv` have them.
 
 mod agreement;
+mod tables;
 
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
@@ -11,7 +12,8 @@ use crate::io::json::{PartRecord, Report, SCHEMA};
 use crate::patchwork::pattern::{Bend, BendSense};
 use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenPiece};
 use std::f64::consts::TAU;
-use std::ops::Range;
+use tables::PRINTED_ANGLE;
+pub use tables::{TableBend, TableLine};
 
 /// Why a folder cannot be used at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -41,34 +43,6 @@ pub enum FolderError {
         /// Why it cannot.
         reason: String,
     },
-}
-
-/// A row of `bends.csv`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TableLine {
-    /// Which way, turn (rad) and radii (mm, infinite where the sheet is flat).
-    pub bend: Bend,
-    /// Length, mm.
-    pub length: f64,
-}
-
-/// A row of `bend_table.csv`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TableBend {
-    /// `bend`, `fold`, `hem` or `rolled`.
-    pub kind: String,
-    /// Which way.
-    pub sense: BendSense,
-    /// Turn, rad.
-    pub angle: f64,
-    /// Inside radius, mm; not a number where there is none.
-    pub inside_radius: f64,
-    /// Allowance, mm; not a number where there is none.
-    pub allowance: f64,
-    /// Depth of the neutral fibre as a share of the thickness.
-    pub k: f64,
-    /// Its lines among those of the part.
-    pub lines: Range<usize>,
 }
 
 /// A part of a result.
@@ -107,9 +81,6 @@ pub struct ResultFolder {
 const PRINTED: f64 = 1.1e-3;
 /// The last digit of lengths in `bend_table.csv`.
 const LAST_DIGIT: f64 = 1e-4;
-/// What the table leaves open of an angle, degrees.
-const PRINTED_ANGLE: f64 = 1.1e-4;
-
 /// Reads a folder; `file` answers the bytes of a file by its name, if it is there.
 ///
 /// # Errors

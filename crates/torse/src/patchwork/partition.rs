@@ -29,7 +29,7 @@ pub struct Partition {
 
 /// The three directed edges of a triangle.
 #[inline]
-pub fn edges(t: [u32; 3]) -> [(u32, u32); 3] {
+pub(crate) fn edges(t: [u32; 3]) -> [(u32, u32); 3] {
     [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]
 }
 

@@ -152,7 +152,7 @@ fn largest(panels: &[(String, Result<f64, NotRefolded>)]) -> Result<f64, NotRefo
 }
 
 /// Of several ways to lay the panels onto an outline the one that the bends agree with.
-pub fn best<'a>(flat: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -> Option<(&'a Atlas, Comparison)> {
+pub(crate) fn best<'a>(flat: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -> Option<(&'a Atlas, Comparison)> {
     let mut out: Option<(&Atlas, Comparison)> = None;
     for a in all {
         let Some(c) = compare(flat, refolded, a) else { continue };

@@ -62,7 +62,7 @@ pub fn sweep(
 }
 
 /// Length of all seams of a result, common edges of faces included, each counted once, mm.
-pub fn seam_length(answer: &Answer) -> f64 {
+pub(crate) fn seam_length(answer: &Answer) -> f64 {
     let runs = answer.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
     let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. } | Border::Joint { .. }));
     let length = |r: &crate::patchwork::panel::Coedge| {

@@ -2,11 +2,14 @@
 
 mod bodies;
 mod covered;
+mod options;
 mod proofs;
 #[cfg(test)]
 mod tests;
 
 pub use bodies::groups;
+use options::UNFOLDED;
+pub use options::{UnrollError, UnrollOptions};
 
 use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
@@ -17,17 +20,13 @@ use crate::brep::recognised_surface::recognise;
 use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
-use crate::develop::bends::Facets;
-use crate::develop::shop::thickness::Sheet;
-use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::FlatPart;
-use crate::develop::unfold::tree::{CutReason, Joins};
+use crate::develop::unfold::tree::CutReason;
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
 use crate::io::model::Model;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::pipeline::approximate::ApproximateError;
 use crate::reason::FaceReason;
 use crate::search::strips::face_panel::{face_panel, LaidFace};
 #[cfg(test)]
@@ -37,80 +36,8 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::time::Instant;
 
-/// Shares of the work that are done when all bodies are unfolded, and when they are proven.
-const UNFOLDED: f64 = 0.5;
+/// Share of the work that is done when all bodies are proven.
 const PROVEN: f64 = 0.7;
-
-/// What the job is asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UnrollOptions {
-    /// Distance (mm) between contours drawn and exact outlines; no default. Lines and arcs of the file stay what they are.
-    pub tolerance: f64,
-    /// Where the neutral fibre lies; default 0.44 (ANSI).
-    pub k: KFactor,
-    /// Takes all faces as surfaces without thickness; default false.
-    pub surfaces: bool,
-    /// The sheet that surfaces without thickness are made of: flat patterns are those of its neutral fibre. Default none.
-    pub sheet: Option<Sheet>,
-    /// Name of the input, for the files; default "model".
-    pub input: String,
-    /// How rolled faces are kinked; default none: lines every 5°.
-    pub facets: Option<Facets>,
-    /// Distance (mm) within which surfaces that are not developable are covered by panels; default none: they are left out.
-    pub approximate: Option<f64>,
-    /// Over which edges faces are laid beside each other; default all.
-    pub joins: Joins,
-}
-
-impl UnrollOptions {
-    /// Defaults with a tolerance (mm).
-    pub fn new(tolerance: f64) -> Self {
-        Self {
-            tolerance,
-            k: KFactor::default(),
-            surfaces: false,
-            sheet: None,
-            input: "model".into(),
-            facets: None,
-            approximate: None,
-            joins: Joins::All,
-        }
-    }
-}
-
-/// Why there is no answer at all.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum UnrollError {
-    /// A tolerance that is not positive.
-    #[error("the tolerance {0} is not a positive number of mm")]
-    Tolerance(f64),
-    /// A tolerance larger than the model.
-    #[error(transparent)]
-    Loose(#[from] Loose),
-    /// A K-factor that cannot be meant.
-    #[error(transparent)]
-    KFactor(#[from] KFactorError),
-    /// No thickness, but a K-factor for it.
-    #[error("a K-factor is for sheets with thickness; leave it out where faces are surfaces")]
-    KWithoutThickness,
-    /// A bend is asked for about an edge that is not there.
-    #[error("no face has an edge #{0} to bend about")]
-    Edge(u64),
-    /// Thickness, but panels for faces without one.
-    #[error("panels cover surfaces without thickness only")]
-    CoversSurfacesOnly,
-    /// Faces that are not developable cannot be covered.
-    #[error("faces that are not developable cannot be covered: {0}")]
-    Approximate(#[from] ApproximateError),
-    /// Nothing can be laid flat.
-    #[error("none of the {bodies} bodies can be unrolled; the first: {reason}")]
-    Nothing {
-        /// Number of bodies.
-        bodies: usize,
-        /// Why the first cannot.
-        reason: String,
-    },
-}
 
 /// Lays every body of a model flat.
 ///

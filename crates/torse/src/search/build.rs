@@ -1,7 +1,7 @@
 //! Panels of a covered face as they are exported, their proof and their flat patterns.
 
 use super::cover::{Limits, State};
-use super::stitch::seams::{self, SharedSeam};
+use super::stitch::seams::SharedSeam;
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate, Known};
 use crate::control::Control;
@@ -169,7 +169,7 @@ pub(crate) fn build_until(
     control: &Control,
 ) -> (Built, Vec<u32>) {
     let partition = smooth_borders(face, state.partition.clone(), tolerance, |_| true);
-    assessed(index, face, &seams::with_partition(face, state, partition), (tolerance, control), None)
+    assessed(index, face, &state.with_partition(partition), (tolerance, control), None)
 }
 
 /// Strips that are to meet.
@@ -203,7 +203,7 @@ fn assessed(
     let mut borders = borders(face, partition);
     let mut assigned: Vec<Assigned> =
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
-    let order = along_the_model(state);
+    let order = state.along_the_model();
     assigned.sort_by_key(|a| order.get(&a.label).copied());
     for e in joined.iter().flat_map(|j| j.edges) {
         borders.share(e.chain, e.edge.clone(), e.parameters.clone());
@@ -236,7 +236,7 @@ fn assessed(
         seam_count,
         joint_count: 0,
     };
-    missing.extend(stray_seam(face, state, &patchwork, tolerance));
+    missing.extend(state.stray_seam(face, &patchwork, tolerance));
     let certificate = match &joined {
         Some(Joined { known, .. }) => certify::patchwork_after(known, &patchwork, tolerance, control),
         None => certify::patchwork(&patchwork, tolerance, control),
@@ -357,52 +357,56 @@ const SEAM_STRAYS: f64 = 2.0;
 /// Places on every span of an edge at which it is compared with seams that were asked for.
 const EDGE_PLACES: usize = 8;
 
-/// A seam asked for beside which no edge of a panel runs.
-fn stray_seam(face: &Face, state: &State, patchwork: &Patchwork, tolerance: f64) -> Option<Reason> {
-    if state.seam_lines.is_empty() {
-        return None;
+impl State {
+    /// A seam asked for beside which no edge of a panel runs.
+    fn stray_seam(&self, face: &Face, patchwork: &Patchwork, tolerance: f64) -> Option<Reason> {
+        if self.seam_lines.is_empty() {
+            return None;
+        }
+        let polyline = |c: &Coedge| {
+            let count = EDGE_PLACES * (c.edge.knots.breaks().len() - 1);
+            (0..=count).map(|k| Vec3::from(c.edge.point(k as f64 / count as f64))).collect::<Vec<_>>()
+        };
+        let edges: Vec<Vec<Vec3>> = patchwork.panels.iter().flat_map(Panel::loops).flatten().map(polyline).collect();
+        let strays = self.seam_lines.iter().filter_map(|l| l.farthest_from(face, &edges));
+        let (by, at) = strays.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 > SEAM_STRAYS * tolerance)?;
+        Some(FaceReason::SeamLost { entity: face.entity, by, at }.into())
     }
-    let polyline = |c: &Coedge| {
-        let count = EDGE_PLACES * (c.edge.knots.breaks().len() - 1);
-        (0..=count).map(|k| Vec3::from(c.edge.point(k as f64 / count as f64))).collect::<Vec<_>>()
-    };
-    let edges: Vec<Vec<Vec3>> = patchwork.panels.iter().flat_map(Panel::loops).flatten().map(polyline).collect();
-    let strays = state.seam_lines.iter().filter_map(|l| l.farthest_from(face, &edges));
-    let (by, at) = strays.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 > SEAM_STRAYS * tolerance)?;
-    Some(FaceReason::SeamLost { entity: face.entity, by, at }.into())
+
+    /// The order in which panels are numbered: along the axis of the model over which their middles spread most, towards its
+    /// positive end, then along the other axes.
+    fn along_the_model(&self) -> BTreeMap<u32, usize> {
+        let mut sums: BTreeMap<u32, (Vec3, f64)> = BTreeMap::new();
+        for (t, label) in self.partition.labels.iter().enumerate() {
+            let area = self.triangle_area(t);
+            let middle = self.partition.triangles[t].iter().map(|&v| self.jets[v as usize].jet.p).sum::<Vec3>() / 3.0;
+            let sum = sums.entry(*label).or_insert((Vec3::zeros(), 0.0));
+            *sum = (sum.0 + middle * area, sum.1 + area);
+        }
+        let middles: Vec<(u32, Vec3)> = sums.into_iter().map(|(l, (x, a))| (l, x / a.max(f64::MIN_POSITIVE))).collect();
+        let (low, high) =
+            middles.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(lo, hi), (_, x)| {
+                (lo.inf(x), hi.sup(x))
+            });
+        let spread = high - low;
+        let mut axes = [0, 1, 2];
+        axes.sort_by(|&a, &b| spread[b].total_cmp(&spread[a]));
+        // Steps of the first axis, so that panels side by side are numbered across and not at random.
+        let step = (SIDE_BY_SIDE * spread[axes[0]]).max(f64::MIN_POSITIVE);
+        let mut keys: Vec<(i64, [f64; 3], u32)> = middles
+            .iter()
+            .map(|(l, x)| {
+                (((x[axes[0]] - low[axes[0]]) / step).round() as i64, [x[axes[1]], x[axes[2]], x[axes[0]]], *l)
+            })
+            .collect();
+        let less = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|k| a[k].total_cmp(&b[k])).find(|o| o.is_ne());
+        keys.sort_by(|a, b| a.0.cmp(&b.0).then(less(&a.1, &b.1).unwrap_or(a.2.cmp(&b.2))));
+        keys.into_iter().enumerate().map(|(k, key)| (key.2, k)).collect()
+    }
 }
 
 /// Middles of panels within this share of their spread count as side by side.
 const SIDE_BY_SIDE: f64 = 0.04;
-
-/// The order in which panels are numbered: along the axis of the model over which their middles spread most, towards its
-/// positive end, then along the other axes.
-fn along_the_model(state: &State) -> BTreeMap<u32, usize> {
-    let mut sums: BTreeMap<u32, (Vec3, f64)> = BTreeMap::new();
-    for (t, label) in state.partition.labels.iter().enumerate() {
-        let area = state.triangle_area(t);
-        let middle = state.partition.triangles[t].iter().map(|&v| state.jets[v as usize].jet.p).sum::<Vec3>() / 3.0;
-        let sum = sums.entry(*label).or_insert((Vec3::zeros(), 0.0));
-        *sum = (sum.0 + middle * area, sum.1 + area);
-    }
-    let middles: Vec<(u32, Vec3)> = sums.into_iter().map(|(l, (x, a))| (l, x / a.max(f64::MIN_POSITIVE))).collect();
-    let (low, high) =
-        middles.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(lo, hi), (_, x)| {
-            (lo.inf(x), hi.sup(x))
-        });
-    let spread = high - low;
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&a, &b| spread[b].total_cmp(&spread[a]));
-    // Steps of the first axis, so that panels side by side are numbered across and not at random.
-    let step = (SIDE_BY_SIDE * spread[axes[0]]).max(f64::MIN_POSITIVE);
-    let mut keys: Vec<(i64, [f64; 3], u32)> = middles
-        .iter()
-        .map(|(l, x)| (((x[axes[0]] - low[axes[0]]) / step).round() as i64, [x[axes[1]], x[axes[2]], x[axes[0]]], *l))
-        .collect();
-    let less = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|k| a[k].total_cmp(&b[k])).find(|o| o.is_ne());
-    keys.sort_by(|a, b| a.0.cmp(&b.0).then(less(&a.1, &b.1).unwrap_or(a.2.cmp(&b.2))));
-    keys.into_iter().enumerate().map(|(k, key)| (key.2, k)).collect()
-}
 
 /// Makes the borders between panels as smooth as the tolerance asks for, those between labels (in order) that `among` names.
 pub(crate) fn smooth_borders(

@@ -2,7 +2,7 @@
 //! and goes round again.
 
 use super::build::{build_until, too_large, Built};
-use super::cover::{bent_panels, cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
+use super::cover::{bent_panels, cover, exactly_covered, Cover, CoverOptions, Layout, Limits, State};
 use super::joint::BorderCounts;
 use super::laid::{Laid, Task};
 use super::stitch::attempts::{met, unproven, Side};
@@ -313,7 +313,7 @@ fn stopgap(index: usize, face: &Face, wanted: &CoverOptions, (tolerance, control
 /// A cover that time has cut short, its gaps filled with what is near; judged with the distance of what was found, so that
 /// it has a bound where one can be shown in a moment.
 fn filled(index: usize, face: &Face, mut state: State, whole: f64) -> Built {
-    fill(&mut state, &Control::default().until(Instant::now() + FILLING));
+    state.fill(&Control::default().until(Instant::now() + FILLING));
     let worst = state.panels.values().map(|fit| fit.error).fold(0.0, f64::max);
     let tolerance = if worst.is_finite() { whole.max(LOOSE * worst) } else { whole };
     build_until(index, face, &state, tolerance, &Control::default().until(Instant::now() + FILLING)).0

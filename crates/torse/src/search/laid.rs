@@ -1,7 +1,7 @@
 //! A cover of one face as panels.
 
 use super::build::{build, Built};
-use super::cover::{cut_refused, CoverOptions, SeamPlane, State};
+use super::cover::{CoverOptions, Job, SeamPlane, State};
 use crate::brep::face::Face;
 use crate::control::Control;
 
@@ -53,7 +53,7 @@ impl Task<'_> {
                 return Laid { state, built, accepted: false, seams };
             }
             options.facets = round >= FACET_ROUND;
-            match cut_refused(self.face, &options, self.control, &state, &refused) {
+            match Job::new(self.face, &options, self.control).cut_refused(&state, &refused) {
                 Some(next) => state = next,
                 None => return Laid { state, built, accepted: false, seams },
             }

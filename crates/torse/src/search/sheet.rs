@@ -10,9 +10,7 @@
 //! panels.
 
 use super::build::too_large;
-use super::cover::{
-    axes, cover, cut_large, cut_where, exact_regions, exactly, is_developable, reach, CoverOptions, SeamPlane,
-};
+use super::cover::{cover, exact_regions, exactly, is_developable, CoverOptions, SeamPlane};
 use super::laid::{Laid, Task};
 use crate::geom::Vec3;
 
@@ -34,7 +32,7 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
     let lined_up = planes.iter().find_map(|planes| {
         let surface = &task.face.surface;
         let heights: Vec<_> = planes.iter().map(|p| |uv: [f64; 2]| p.height(&surface.point(uv[0], uv[1]))).collect();
-        let cut = task.laid(cut_where(task.face, &laid.state, &heights), planes.clone());
+        let cut = task.laid(laid.state.cut_where(&heights), planes.clone());
         let cut = cut_until_it_fits(task, cut);
         fits(task, &cut).then_some(cut)
     });
@@ -89,7 +87,7 @@ fn gridded(task: &Task) -> Option<Laid> {
         let places = (0..2).flat_map(|k| wanted[k].iter().map(move |at| (k, *at)));
         let places: Vec<(usize, f64)> = places.map(|(k, at)| (k, nearest(&drawn[k], at))).collect();
         let heights: Vec<_> = places.iter().map(|&(k, at)| move |uv: [f64; 2]| uv[k] - at).collect();
-        let cut = exactly(task.face, &task.options, task.control, cut_where(task.face, &state, &heights))?;
+        let cut = exactly(task.face, &task.options, task.control, state.cut_where(&heights))?;
         let cut = task.laid(cut, Vec::new());
         fits(task, &cut).then_some(cut)
     })
@@ -177,7 +175,7 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
         if large.is_empty() || !laid.accepted || task.control.stopped() || panels > task.options.max_panels {
             break;
         }
-        laid = task.laid(cut_large(task.face, &laid.state, &large), laid.seams);
+        laid = task.laid(laid.state.cut_large(&large), laid.seams);
     }
     laid
 }
@@ -187,11 +185,11 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
 fn sections(task: &Task, laid: &Laid) -> Vec<Vec<SeamPlane>> {
     let limits = &task.options.limits;
     let large = too_large(&laid.built, limits);
-    let axes = axes(&laid.state);
+    let axes = laid.state.axes();
     let mut out = Vec::new();
     for (k, limit) in [limits.longest(), limits.widest()].into_iter().enumerate() {
         let normal = near_axis(axes[k]);
-        let reach = reach(&laid.state, &normal);
+        let reach = laid.state.reach(&normal);
         let Some(limit) = limit.filter(|_| large.iter().any(|l| l.1[k] > 1)) else { continue };
         let least = ((reach[1] - reach[0]) / limit).ceil();
         if least.is_nan() || least > MOST_SECTIONS as f64 {

@@ -3,7 +3,7 @@
 //! reach far beyond the rest of a panel.
 
 use super::build::too_large;
-use super::cover::{has_prong, without_prong, without_sliver};
+use super::cover::Job;
 use super::laid::{Laid, Task};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,13 +26,13 @@ fn blunted(task: &Task, mut laid: Laid) -> Laid {
     }
     let least = |width: f64| task.options.limits.min_width.unwrap_or(SLIVER * width);
     let all: Vec<(u32, f64)> = sizes(&laid).into_iter().map(|(label, [width, _])| (label, least(width))).collect();
-    let pronged: Vec<(u32, f64)> = all.into_par_iter().filter(|p| has_prong(&laid.state, *p)).collect();
-    for prong in pronged {
+    let pronged: Vec<(u32, f64)> = all.into_par_iter().filter(|p| laid.state.has_prong(p.0, p.1)).collect();
+    for (label, width) in pronged {
         if task.control.stopped() {
             break;
         }
         let options = task.options_with(&laid.seams);
-        let next = without_prong(task.face, &options, task.control, &laid.state, prong);
+        let next = Job::new(task.face, &options, task.control).without_prong(&laid.state, label, width);
         let next = next.map(|state| task.laid(state, laid.seams.clone()));
         laid = next.filter(|n| is_good(task, n, &laid)).unwrap_or(laid);
     }
@@ -47,7 +47,7 @@ fn without_slivers(task: &Task, mut laid: Laid) -> Laid {
             break;
         }
         let options = task.options_with(&laid.seams);
-        let next = without_sliver(task.face, &options, task.control, &laid.state, label);
+        let next = Job::new(task.face, &options, task.control).without_sliver(&laid.state, label);
         let next = next.map(|state| task.laid(state, laid.seams.clone()));
         match next.filter(|n| is_better(task, n, &laid)) {
             Some(next) => laid = next,

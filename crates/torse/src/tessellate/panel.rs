@@ -114,7 +114,7 @@ pub fn surface_mesh(patchwork: &Patchwork, face: usize) -> Mesh {
 }
 
 /// Gauss curvature (1/mm²) of one face at the vertices of its [`surface_mesh`].
-pub fn surface_curvature(patchwork: &Patchwork, face: usize) -> Vec<f64> {
+pub(crate) fn surface_curvature(patchwork: &Patchwork, face: usize) -> Vec<f64> {
     let (Some(f), Some(partition)) = (patchwork.faces.get(face), patchwork.partitions.get(face)) else {
         return Vec::new();
     };

@@ -52,7 +52,7 @@ pub fn patch(torse: &Torse, extent: &Extent) -> Result<Surface, ConvertError> {
 }
 
 /// Patch parameter r of the point of ruling `t` nearest `x`; outside [0, 1] beyond the boundary curves.
-pub fn parameters(patch: &Surface, t: f64, x: &Vec3) -> f64 {
+pub(crate) fn parameters(patch: &Surface, t: f64, x: &Vec3) -> f64 {
     let a = patch.homogeneous_jet(t, 0.0, 0)[0];
     let b = patch.homogeneous_jet(t, 1.0, 0)[0];
     let p = Vec3::new(a[0], a[1], a[2]) / a[3];

@@ -500,7 +500,7 @@ impl Rail {
 }
 
 /// Point and two derivatives of a homogeneous curve.
-pub fn jet(c: &Curve<4>, t: f64) -> [Vec3; 3] {
+pub(crate) fn jet(c: &Curve<4>, t: f64) -> [Vec3; 3] {
     let h = c.jet(t);
     let v = h.map(|r| Vec3::new(r[0], r[1], r[2]));
     let (w, r) = (h.map(|r| r[3]), 1.0 / h[0][3]);
@@ -510,7 +510,7 @@ pub fn jet(c: &Curve<4>, t: f64) -> [Vec3; 3] {
 }
 
 /// Unit tangent of a piece; where the derivative vanishes, that of a secant into the piece.
-pub fn tangent(c: &Curve<4>, t: f64) -> Vec3 {
+pub(crate) fn tangent(c: &Curve<4>, t: f64) -> Vec3 {
     // A derivative below this share of the chord gives no direction; a secant over this parameter does: it is short
     // against the piece, and where that starts like a parabola its ends still differ by eight digits.
     const STOP: f64 = 1e-6;

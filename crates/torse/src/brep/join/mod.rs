@@ -8,6 +8,7 @@
 //! Knows no tolerance of its own: what may be moved is asked for, and what was moved is said
 //! ([`Face::joint_bound`]).
 
+mod options;
 mod pair;
 mod turn;
 
@@ -15,22 +16,11 @@ use super::face::{Face, FacePart};
 use super::raw::SurfaceKind;
 use super::trim::crease::creases;
 use crate::geom::Vec3;
+pub(crate) use options::JoinOptions;
 use std::collections::HashSet;
 
 /// Whether a joined face (first) is better than its two parts.
 pub(crate) type Worthwhile<'a> = &'a (dyn Fn(&Face, &Face, &Face) -> bool + Sync);
-
-/// What may be joined.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct JoinOptions {
-    /// Greatest angle between the faces along a common edge, rad; 0 joins nothing.
-    pub angle: f64,
-    /// Greatest distance between control points of the two sides of a common edge, mm.
-    pub mismatch: f64,
-    /// Greatest angle through which the normal of a joined face may turn along a line of constant u or v, rad, at
-    /// samples; infinite for no limit. Bodies that close around themselves fall into open ones.
-    pub turn: f64,
-}
 
 /// Places in each direction at which the normals of a face are looked at for its turn.
 const TURN_SAMPLES: usize = 16;

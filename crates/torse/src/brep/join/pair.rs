@@ -6,8 +6,8 @@
 //! the side may be moved without changing the surface: so sides fit that are chains themselves, each with a pace of its
 //! own.
 
+use super::options::JoinOptions;
 use super::turn::{reversed_u, reversed_v, transposed};
-use super::JoinOptions;
 use crate::brep::face::{Face, TrimLoop};
 use crate::geom::Vec3;
 use crate::spline::knots::Knots;

@@ -49,7 +49,7 @@ const LEAST_WIDTH: f64 = 1e-9;
 ///
 /// # Errors
 /// Loops that do not bound a region; see `TrimError`.
-pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, TrimError> {
+pub(crate) fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, TrimError> {
     let loops = match &raw.region {
         Region::Whole => return natural(raw, None).map(|f| vec![f]),
         Region::Rectangle(r) => return natural(raw, Some(*r)).map(|f| vec![f]),

@@ -7,7 +7,8 @@
 //! which a quadrilateral encloses; distance from a segment is convex, and greatest in a corner. No image is farther
 //! from that of the apex than its point is from the apex.
 
-use super::{hull, local, placed, turns, widened, Guide};
+use super::guide::{widened, Guide};
+use super::motion::{hull, local, placed, turns};
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, EdgeImage};
 

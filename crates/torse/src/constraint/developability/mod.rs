@@ -38,7 +38,7 @@ pub(crate) fn samples_per_interval(degree: usize) -> usize {
 
 /// Parameters at which developability of all pieces is asked for: Chebyshev points inside every piece, with the length
 /// of the piece.
-pub fn samples(knots: &Knots) -> Vec<(f64, f64)> {
+pub(crate) fn samples(knots: &Knots) -> Vec<(f64, f64)> {
     let count = samples_per_interval(knots.degree());
     let mut out = Vec::new();
     for w in knots.breaks().windows(2) {

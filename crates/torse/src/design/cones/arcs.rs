@@ -5,7 +5,7 @@
 //! There (14) says nothing: every ruling of the first cone, within bounds, begins a joining cone. The one after a
 //! given share of the rotation is taken.
 
-use super::{through, turn_to, Join, Osculating};
+use super::join::{through, turn_to, Join, Osculating, NOT_SMOOTH};
 use crate::geom::Vec3;
 use crate::torse::cone::spline::{Segment, Shape};
 
@@ -119,7 +119,7 @@ impl Planar<'_> {
         let to = self.second.piece(second_turn).end();
         let length = (self.second.element.point - self.first.element.point).norm();
         let off = end.mismatch(&to, length);
-        (off < super::NOT_SMOOTH).then_some(Join { first_angle: f, second_angle: -second_turn, filler: filler_segment })
+        (off < NOT_SMOOTH).then_some(Join { first_angle: f, second_angle: -second_turn, filler: filler_segment })
     }
 }
 

@@ -111,7 +111,7 @@ pub fn subdivide(
 ///
 /// # Errors
 /// Refined rulings without length.
-pub fn refined(strip: &QuadStrip) -> Result<QuadStrip, DiscreteError> {
+pub(crate) fn refined(strip: &QuadStrip) -> Result<QuadStrip, DiscreteError> {
     Ok(QuadStrip::new(lane_riesenfeld(strip.a()), lane_riesenfeld(strip.b()))?)
 }
 

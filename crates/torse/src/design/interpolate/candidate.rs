@@ -1,7 +1,8 @@
 //! A net that holds both lines, measured: reaches, clearance, regularity.
 //! The quantities are those of \[FJ07\], section 4.
 
-use super::{affine, Problem, Solution};
+use super::problem::{affine, Problem};
+use super::solution::Solution;
 use crate::geom::Vec3;
 use crate::torse::net::{Net, Regularity, TaperedNet};
 

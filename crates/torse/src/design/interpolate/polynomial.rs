@@ -4,8 +4,9 @@
 //! `π = Π g(u_{i+n})/g(u_i)`, a root has `T = A v + B w`, and `σ = −κ A/π`, `τ = κ B`.
 
 use super::candidate::measured;
+use super::problem::Problem;
+use super::solution::{Route, Solution};
 use super::solvability::{of, Solvability};
-use super::{Problem, Route, Solution};
 use crate::geom::Vec3;
 use crate::torse::net::{paper_knots, Net, Regularity, Shape};
 

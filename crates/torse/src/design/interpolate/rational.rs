@@ -6,7 +6,8 @@
 //! and a regular surface with both ends on the sides given, the one with the most even reaches is taken.
 
 use super::candidate::measured;
-use super::{affine, Problem, Solution};
+use super::problem::{affine, Problem};
+use super::solution::Solution;
 use crate::geom::Vec3;
 use crate::torse::net::{paper_knots, Net, Shape};
 

@@ -3,8 +3,10 @@
 //! *Method.* The signs of the δ_i bound the number of regular solutions (variation diminishing, \[FR88\]); knots and
 //! degree do not change that \[FJ07, section 4\]. End rulings are turned in their tangent planes until an answer exists.
 
+use super::polynomial;
+use super::problem::Problem;
+use super::solution::Solution;
 use super::solvability::{of, Solvability};
-use super::{polynomial, Problem, Solution};
 use crate::geom::Vec3;
 use crate::torse::net::Regularity;
 use std::fmt;

@@ -6,7 +6,7 @@
 //! For M* outside the domain all factors are positive, so that in Bernstein form nothing cancels but the δ_i, and
 //! there are at most as many regular solutions as the δ_i change sign, of the same parity \[FR88\].
 
-use super::{EndRulings, InterpolateError, Options, Problem};
+use super::problem::{EndRulings, InterpolateError, Options, Problem};
 use crate::num::bernstein::{derivative, value};
 use crate::num::interval::Interval;
 use crate::num::roots::{isolate, refine};

@@ -4,7 +4,9 @@
 //!
 //! *Method.* A fixed fan of directions around the mean of the given ones; each part by \[FJ07\], section 4.
 
-use super::{polynomial, rational, Options, Problem, Solution};
+use super::problem::{Options, Problem};
+use super::solution::Solution;
+use super::{polynomial, rational};
 use crate::geom::Vec3;
 
 /// Where the curve is cut, as shares of its domain, in the order tried.

@@ -1,5 +1,7 @@
 use super::*;
+use crate::geom::Vec3;
 use crate::spline::knots::Knots;
+use crate::torse::net::NetError;
 use crate::torse::net::{homogeneous, NetKind};
 
 /// A small deterministic generator of numbers in `[0, 1)`.

@@ -34,7 +34,7 @@ const REST: f64 = 1e-10;
 const LAST_DIGIT: f64 = 1e-16;
 
 /// `det(a', b', b − a)` with unit vectors; 0 where rounding is all there is.
-pub fn coplanarity(a: &Contact, b: &Contact) -> f64 {
+pub(crate) fn coplanarity(a: &Contact, b: &Contact) -> f64 {
     let r = b.point - a.point;
     let l = r.norm();
     if l == 0.0 {
@@ -57,7 +57,7 @@ pub fn self_coplanarity(a: &Contact, b: &Contact) -> f64 {
 }
 
 /// Oriented twist of the ruling between two contacts, rad in [0, π]; `None` where a tangent lies along the ruling.
-pub fn twist(a: &Contact, b: &Contact) -> Option<f64> {
+pub(crate) fn twist(a: &Contact, b: &Contact) -> Option<f64> {
     const ALONG: f64 = 1e-9;
     let r = (b.point - a.point).try_normalize(0.0)?;
     let (x, y) = (a.tangent.cross(&r), b.tangent.cross(&r));

@@ -100,7 +100,7 @@ pub fn follow(
 ///
 /// # Errors
 /// As [`follow`].
-pub fn strips_along_path(
+pub(crate) fn strips_along_path(
     [a, b]: [&Rail; 2],
     stations: &[[f64; 2]],
     closed: bool,

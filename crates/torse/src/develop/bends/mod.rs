@@ -168,7 +168,7 @@ const SEEN: f64 = 0.05;
 const APEX: f64 = 1e-9;
 
 /// Radius of curvature of a ruled patch across its rulings at `(t, r)`, mm; 0 in the apex of a cone.
-pub fn radius(patch: &Surface, t: f64, r: f64) -> f64 {
+pub(crate) fn radius(patch: &Surface, t: f64, r: f64) -> f64 {
     let j = patch.jet(t, r);
     // In an apex nothing is left but rounding.
     if r != 0.5 && j.du.norm() <= APEX * patch.jet(t, 1.0 - r).du.norm() {

@@ -654,7 +654,7 @@ impl Atlas {
 }
 
 /// A face as a panel.
-pub fn of_face(face: &Face) -> PanelPatch {
+pub(crate) fn of_face(face: &Face) -> PanelPatch {
     let corner = |l: &crate::brep::face::TrimLoop| {
         let n = l.points.len();
         (0..n).filter(|k| l.edge[*k] != l.edge[(k + n - 1) % n]).map(|k| l.points[k]).collect::<Vec<_>>()

@@ -32,7 +32,7 @@ const SAMPLES: usize = 2000;
 const STEPS: usize = 5;
 
 /// Points inside a part on a grid, and the joints of its outlines.
-pub fn samples(part: &FlatPart) -> Vec<Vec2> {
+pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
     let (lo, hi) = bounds(&part.loops);
     let whole: f64 = part.loops.iter().map(|l| super::drawn::area(l)).sum();
     let step = (whole / SAMPLES as f64).sqrt();
@@ -55,7 +55,7 @@ pub fn samples(part: &FlatPart) -> Vec<Vec2> {
 }
 
 /// Compares a refolded part with its panels. `None` where no sample is on both.
-pub fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
+pub(crate) fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
     let pair = |q: Vec2| {
         let (place, on) = (refolded.locate(&q)?, atlas.from_flat(&q)?);
         Some((q, refolded.frame(&place).0, on, atlas.space(&on)))

@@ -75,7 +75,7 @@ fn chords((bulge, chord): (f64, f64), size: f64) -> Option<(f64, usize)> {
 }
 
 /// Greatest height (mm) of an arc of an outline over the chords of [`polygon`].
-pub fn chord_height(joints: &[(Vec2, f64)], size: f64) -> f64 {
+pub(crate) fn chord_height(joints: &[(Vec2, f64)], size: f64) -> f64 {
     let height = |k: usize| {
         let ((a, bulge), b) = (joints[k], joints[(k + 1) % joints.len()].0);
         let Some((radius, n)) = chords((bulge, (b - a).norm()), size) else { return 0.0 };
@@ -86,7 +86,7 @@ pub fn chord_height(joints: &[(Vec2, f64)], size: f64) -> f64 {
 }
 
 /// A closed outline of lines and arcs (place and bulge of every piece) as a polygon.
-pub fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
+pub(crate) fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
     let mut out = Vec::new();
     for (k, (a, bulge)) in joints.iter().enumerate() {
         let b = joints[(k + 1) % joints.len()].0;
@@ -105,18 +105,18 @@ pub fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
 }
 
 /// Signed area of a polygon, positive counter-clockwise.
-pub fn area(l: &[Vec2]) -> f64 {
+pub(crate) fn area(l: &[Vec2]) -> f64 {
     let Some(o) = l.first() else { return 0.0 };
     (0..l.len()).map(|k| 0.5 * (l[k] - o).perp(&(l[(k + 1) % l.len()] - o))).sum()
 }
 
 /// The sides of polygons.
-pub fn sides(loops: &[Vec<Vec2>]) -> impl Iterator<Item = (Vec2, Vec2)> + '_ {
+pub(crate) fn sides(loops: &[Vec<Vec2>]) -> impl Iterator<Item = (Vec2, Vec2)> + '_ {
     loops.iter().flat_map(|l| (0..l.len()).map(move |k| (l[k], l[(k + 1) % l.len()])))
 }
 
 /// Whether a point lies inside polygons (even-odd rule).
-pub fn inside(loops: &[Vec<Vec2>], x: &Vec2) -> bool {
+pub(crate) fn inside(loops: &[Vec<Vec2>], x: &Vec2) -> bool {
     let crossed =
         |(p, q): &(Vec2, Vec2)| (p.y > x.y) != (q.y > x.y) && x.x < p.x + (q.x - p.x) * (x.y - p.y) / (q.y - p.y);
     sides(loops).filter(crossed).count() % 2 == 1
@@ -128,14 +128,14 @@ pub fn distance(loops: &[Vec<Vec2>], x: &Vec2) -> f64 {
 }
 
 /// Nearest point of a segment.
-pub fn foot(p: &Vec2, q: &Vec2, x: &Vec2) -> Vec2 {
+pub(crate) fn foot(p: &Vec2, q: &Vec2, x: &Vec2) -> Vec2 {
     let d = q - p;
     let s = d.dot(&(x - p)) / d.norm_squared();
     p + d * if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// Corners of the box around polygons.
-pub fn bounds(loops: &[Vec<Vec2>]) -> (Vec2, Vec2) {
+pub(crate) fn bounds(loops: &[Vec<Vec2>]) -> (Vec2, Vec2) {
     let start = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
     loops.iter().flatten().fold(start, |(lo, hi), p| (lo.inf(p), hi.sup(p)))
 }

@@ -172,7 +172,7 @@ impl Region {
 }
 
 /// Signed area of a polygon, mm².
-pub fn area(l: &[Vec2]) -> f64 {
+pub(crate) fn area(l: &[Vec2]) -> f64 {
     let Some(o) = l.first() else { return 0.0 };
     0.5 * l.iter().zip(l.iter().cycle().skip(1)).map(|(p, q)| (p - o).perp(&(q - o))).sum::<f64>()
 }

@@ -171,7 +171,7 @@ struct Ready {
 /// Unfolds the skin faces of a body into as few pieces as their joints allow. Faces without a map (thicker than their
 /// radius, not developable) are answered in the second list. Surfaces into which the sheet given does not fit everywhere are
 /// unfolded as they are, all of them.
-pub fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piece>, Vec<usize>) {
+pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piece>, Vec<usize>) {
     if !have_room(body, skin, options) {
         let thickness = vec![0.0; options.thickness.len()];
         return unfold(body, skin, &UnfoldOptions { thickness, side: None, ..options.clone() });

@@ -4,17 +4,16 @@
 //! outliers losing their weight; its value and slope above the middle of the cell are the estimates \[PW99, 4.3: planes
 //! are to be estimated first\]. Noise is averaged over the neighbourhood, and its bias is of fourth order in the cell.
 
+use super::error::{CloudError, FEWEST};
 use super::grid::{around, core, Grid};
 use super::lines::distance_of_lines;
-use super::CloudError;
+
 use crate::fit::planes::linear_system::robust_weights;
 use crate::geom::Vec3;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Points without which no surface is looked for.
-pub(crate) const FEWEST: usize = 30;
 /// Points of a neighbourhood that take part.
 const CROWD: usize = 240;
 /// Points that a quadric needs to be more than an interpolation.

@@ -82,7 +82,7 @@ pub(crate) fn polished(fit: &Fit, points: &[Vec3], tolerance: f64) -> Option<Fit
 
 /// Torse of every point: that of its own estimate (`owner`) if the point is within `near` (mm) of it, otherwise the
 /// nearest among those around; `None` where no torse is near. So points along creases find their side.
-pub fn assigned(
+pub(crate) fn assigned(
     estimates: &Estimates,
     owner: &[Option<u32>],
     fits: &[&Fit],

@@ -315,7 +315,7 @@ fn controlled_fit(
 }
 
 /// Points of the rulings of a sequence with their normals, for fits of points.
-pub fn samples(elements: &[ContactElement]) -> Vec<Sample> {
+pub(crate) fn samples(elements: &[ContactElement]) -> Vec<Sample> {
     // Enough for a straight line on a surface that is ruled nearly the same way.
     const ALONG: usize = 5;
     let mut out = Vec::with_capacity(ALONG * elements.len());

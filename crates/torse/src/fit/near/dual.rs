@@ -119,7 +119,7 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
 /// The envelope of the tangent planes along `centre` as a cubic spline of planes with `spans` spans, exactly developable,
 /// least-squares near the given planes; its domain reaches beyond both ends of the line by `reach` of its range.
 /// `None` for fewer than four points, or planes that do not turn.
-pub fn envelope(centre: &[CentrePoint], spans: usize, reach: f64) -> Option<Torse> {
+pub(crate) fn envelope(centre: &[CentrePoint], spans: usize, reach: f64) -> Option<Torse> {
     // Third differences of the planes count as little as in the first start of [`dual`].
     const SMOOTH: f64 = 1e-3;
     if centre.len() < 4 {

@@ -58,7 +58,7 @@ pub fn error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
 
 /// As [`error`], where a torse comes round again: samples count with the nearest of their feet, since a guess may lead to what goes
 /// on beyond its other end.
-pub fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
+pub(crate) fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
     let power_form = PowerForm::of(torse)?;
     let planes = power_form.plane_table();
     let nearest = |s: &Sample| power_form.nearest_foot_of(&power_form.local(&s.x), &planes);
@@ -67,7 +67,7 @@ pub fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> 
 }
 
 /// The samples farther than `bound` (mm) from the torse; those without a foot are left out.
-pub fn beyond(torse: &Torse, samples: Vec<Sample>, bound: f64) -> Vec<Sample> {
+pub(crate) fn beyond(torse: &Torse, samples: Vec<Sample>, bound: f64) -> Vec<Sample> {
     let Some(power_form) = PowerForm::of(torse) else { return Vec::new() };
     let (guesses, domain) = (power_form.guesses(), power_form.domain());
     let far = |s: &Sample| {

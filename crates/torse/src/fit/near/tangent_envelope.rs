@@ -145,7 +145,7 @@ fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result
 
 /// The point of the surface in the plane square to the ruling at distance `r` along it, nearest to the ruling, and its
 /// distance from it. `start`: parameters near by.
-pub fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]) -> Option<([f64; 2], f64)> {
+pub(crate) fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]) -> Option<([f64; 2], f64)> {
     // Each step leaves about the square of the turn of the tangent plane.
     const STEPS: usize = 30;
     const SETTLED: f64 = 1e-12;

@@ -223,7 +223,7 @@ fn crossings(spline: &ConeSpline, chart: &ConeChart, [p, q]: [&Vec3; 2], x: [f64
 ///
 /// # Errors
 /// A piece whose offset would reach its vertex.
-pub fn offset(part: &ConePart, delta: f64, edge_tolerance: f64) -> Result<ConePart, ConeTrimError> {
+pub(crate) fn offset(part: &ConePart, delta: f64, edge_tolerance: f64) -> Result<ConePart, ConeTrimError> {
     let mut out = part.clone();
     for f in &mut out.faces {
         let segment = f.segment;

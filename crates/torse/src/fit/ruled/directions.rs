@@ -114,7 +114,7 @@ const FLAT: f64 = 0.02;
 
 /// Samples of a family at places of a surface, turned alike along `edges` between neighbours; `None` where a place has no
 /// tangent plane.
-pub fn samples(places: &[([f64; 2], SurfaceJet)], edges: &[[usize; 2]], family: Family) -> Option<Vec<Sample>> {
+pub(crate) fn samples(places: &[([f64; 2], SurfaceJet)], edges: &[[usize; 2]], family: Family) -> Option<Vec<Sample>> {
     let all: Vec<Curvatures> = places.iter().map(|p| Curvatures::of(&p.1)).collect::<Option<_>>()?;
     let strength = |c: &Curvatures| c.principal[0] - c.principal[1];
     let mean = all.iter().map(strength).sum::<f64>() / all.len().max(1) as f64;

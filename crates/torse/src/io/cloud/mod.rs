@@ -1,66 +1,16 @@
 //! Readers of measured points: PLY, CSV (and XYZ), OBJ, STL. The formats carry no unit: the caller gives it.
 
+mod error;
 mod obj;
 pub mod ply;
 mod stl;
 mod table;
+mod triple;
 
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::io::threedm;
-
-/// Why a file of points cannot be read.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CloudReadError {
-    /// A 3DM file without meshes, or none at all.
-    #[error(transparent)]
-    ThreeDm(#[from] threedm::ReadError),
-    /// The ending of the name is not known.
-    #[error("'{0}' is no known kind of point file: give .ply, .csv, .xyz, .txt, .obj, .stl or .3dm")]
-    Kind(String),
-    /// A drawing whose unit is not known, or not that which is given.
-    #[error("{0}")]
-    Drawing(String),
-    /// Not what the ending says.
-    #[error("not a {format} file: {reason}")]
-    Format {
-        /// Name of the format.
-        format: &'static str,
-        /// What is wrong.
-        reason: String,
-    },
-    /// A line that cannot be read.
-    #[error("{format} line {line}: {reason}")]
-    Line {
-        /// Name of the format.
-        format: &'static str,
-        /// Line, counted from 1.
-        line: usize,
-        /// What is wrong.
-        reason: String,
-    },
-    /// The data end too early.
-    #[error("the {format} file ends after {read} of {promised} {what}: it was cut off")]
-    Short {
-        /// Name of the format.
-        format: &'static str,
-        /// Things read.
-        read: usize,
-        /// Things promised by the header.
-        promised: usize,
-        /// What they are.
-        what: &'static str,
-    },
-    /// A coordinate that is not finite.
-    #[error("point {index} has a coordinate that is not a finite number; remove it")]
-    NotFinite {
-        /// Index of the point.
-        index: usize,
-    },
-    /// No points.
-    #[error("the file holds no points")]
-    Empty,
-}
+pub use error::CloudReadError;
 
 /// Points of a file, with the triangles of OBJ and STL files; the format is told by the ending of the name. `unit` is the
 /// length of the file's unit in mm; where none is given, what the headings of a table say, else mm.
@@ -112,12 +62,6 @@ pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud,
 /// What is said where a unit had to be guessed.
 pub(super) fn unit_note(name: &str) -> String {
     format!("{name} does not say its unit: its numbers were taken as mm; --unit says what they are")
-}
-
-/// Three numbers of a line.
-fn triple<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<Vec3> {
-    let mut next = || words.next()?.trim().parse::<f64>().ok();
-    Some(Vec3::new(next()?, next()?, next()?))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Vertices and faces of Wavefront OBJ files; everything else is passed over. Faces of more than three corners are cut
 //! into triangles about their first.
 
-use super::{triple, CloudReadError};
+use super::error::CloudReadError;
+use super::triple::triple;
 use crate::geom::cloud::Cloud;
 use crate::io::quads::obj::index;
 

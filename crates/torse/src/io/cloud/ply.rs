@@ -1,6 +1,7 @@
 //! PLY files: vertices are read (text, binary of both byte orders), points with a value are written.
 
-use super::{triple, CloudReadError};
+use super::error::CloudReadError;
+use super::triple::triple;
 use crate::geom::Vec3;
 
 const FORMAT: &str = "PLY";

@@ -1,6 +1,7 @@
 //! Triangles of STL files, binary and text; corners shared by triangles are kept once.
 
-use super::{triple, CloudReadError};
+use super::error::CloudReadError;
+use super::triple::triple;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use std::collections::HashMap;

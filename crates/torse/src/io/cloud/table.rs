@@ -2,7 +2,7 @@
 //! [`crate::io::table`] for separators, decimal commas and comments. A first line with one number is the count that
 //! some scanners write. Leica's PTS files may have intensity, or intensity and colour, behind the coordinates.
 
-use super::CloudReadError;
+use super::error::CloudReadError;
 use crate::geom::Vec3;
 use crate::io::table::{self, Fault};
 

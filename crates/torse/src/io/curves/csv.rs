@@ -1,7 +1,7 @@
 //! Tables of points: columns x, y and z in any order if the first line names them, else three columns; see
 //! [`crate::io::table`] for separators, decimal commas and comments.
 
-use super::{CurveError, CurveOptions};
+use super::options::{CurveError, CurveOptions};
 use crate::geom::Vec3;
 use crate::io::table::{self, Fault};
 

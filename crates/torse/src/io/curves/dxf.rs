@@ -8,7 +8,7 @@
 //! Polylines are read as their segments; of those that are smoothed, the vertices of the frame are passed over.
 //! Other entities (texts, dimensions, blocks, meshes) are counted by kind, so that it can be said what was not read.
 
-use super::{CurveError, CurveOptions, Found};
+use super::options::{CurveError, CurveOptions, Found};
 use crate::brep::space_curve::SpaceCurve;
 use crate::geom::unit::{self, NamedUnit};
 use crate::geom::{Frame, Vec3};

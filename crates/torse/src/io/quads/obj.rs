@@ -1,6 +1,6 @@
 //! Wavefront OBJ: quadrilateral faces in the order of their strip.
 
-use super::QuadReadError;
+use super::error::QuadReadError;
 use crate::geom::Vec3;
 use std::collections::HashMap;
 

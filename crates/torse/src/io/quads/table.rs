@@ -1,6 +1,6 @@
 //! Tables of rulings or of two polylines.
 
-use super::QuadReadError;
+use super::error::QuadReadError;
 use crate::geom::Vec3;
 use crate::io::table::{self, Fault, Table};
 

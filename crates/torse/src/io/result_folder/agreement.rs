@@ -1,7 +1,7 @@
 //! Whether the tables of a part say the same of its bend lines: an operator bends by the angles, but where the sheet lies
 //! follows from the turns up to the lines, or from the table of its bends, so that wrong angles would go unseen.
 
-use super::{TableBend, TableLine, PRINTED_ANGLE};
+use super::tables::{TableBend, TableLine, PRINTED_ANGLE};
 use crate::io::bends::BendRecord;
 use crate::patchwork::pattern::BendSense;
 

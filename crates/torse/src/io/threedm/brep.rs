@@ -1,17 +1,19 @@
 //! Polysurfaces: faces on surfaces, bounded by loops of trims, which use edges.
 
 mod old;
+mod tables;
 
 use super::bytes::{fault, Cursor, Fault, Reading};
-use super::curves::{self, FileCurve};
+use super::curves;
 use super::records;
-use super::surfaces::{self, Patch};
+use super::surfaces;
 use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::Arc;
 use crate::brep::support_surface::SupportSurface;
-use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 use std::collections::HashMap;
+pub(super) use tables::Brep;
+use tables::{Edge, Face, Loop, Trim, Vertex, OUTER, SINGULAR};
 
 /// Writers from this date on store domains of edges and trims.
 const EDGES_HAVE_DOMAINS: u32 = 200_206_180;
@@ -20,66 +22,12 @@ const FIRST_WITH_DOMAINS: u32 = 3;
 /// Bytes of a trim after its two tolerances.
 const REST_OF_TRIM: usize = 48 + 16;
 
-/// The tables of a polysurface.
-#[derive(Debug, Default)]
-pub(super) struct Brep {
-    /// Curves in the parameter planes of surfaces.
-    plane_curves: Vec<Reading<FileCurve>>,
-    curves: Vec<Reading<FileCurve>>,
-    surfaces: Vec<Reading<Patch>>,
-    vertices: Vec<Vertex>,
-    edges: Vec<Edge>,
-    trims: Vec<Trim>,
-    loops: Vec<Loop>,
-    faces: Vec<Face>,
-}
-
-#[derive(Debug)]
-struct Vertex {
-    point: Vec3,
-    tolerance: f64,
-}
-
-#[derive(Debug)]
-struct Edge {
-    curve: i32,
-    reversed: bool,
-    part: [f64; 2],
-    ends: [i32; 2],
-    tolerance: f64,
-}
-
-#[derive(Debug)]
-struct Trim {
-    curve: i32,
-    part: [f64; 2],
-    backwards: bool,
-    edge: i32,
-    reversed: bool,
-    kind: i32,
-}
-
-#[derive(Debug)]
-struct Loop {
-    trims: Vec<i32>,
-    kind: i32,
-}
-
-#[derive(Debug)]
-struct Face {
-    loops: Vec<i32>,
-    surface: i32,
-    reversed: bool,
-}
-
-/// Kinds of trims that are no edge of the face: a point of the surface, and a curve or a point inside.
-const SINGULAR: i32 = 4;
+/// Kinds of trims that are no edge of the face: a curve or a point inside.
 const LOOSE_TRIMS: [i32; 2] = [5, 6];
 /// Curves nearer than this share of their length lie at one place: trims keep to a tolerance, sides of a surface do not
 /// come so near each other in its parameters.
 const APART: f64 = 1e-3;
-/// Kinds of loops.
-const OUTER: i32 = 1;
+/// Kinds of loops that bound nothing.
 const LOOSE_LOOPS: [i32; 2] = [4, 5];
 
 /// The entry of a table by the index that the file gives.

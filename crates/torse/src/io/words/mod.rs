@@ -425,7 +425,7 @@ fn beyond(claim: &Claim, curves: &[String]) -> String {
 }
 
 /// So many things of one sort.
-pub fn counted(n: usize, word: &str) -> String {
+pub(crate) fn counted(n: usize, word: &str) -> String {
     format!("{n} {word}{}", if n == 1 { "" } else { "s" })
 }
 

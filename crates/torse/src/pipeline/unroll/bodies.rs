@@ -1,6 +1,6 @@
 //! Bodies of a model, each unfolded for itself.
 
-use super::{UnrollError, UnrollOptions, UNFOLDED};
+use super::options::{UnrollError, UnrollOptions, UNFOLDED};
 use crate::answer::skipped::Skipped;
 use crate::brep::area::area_estimate;
 use crate::brep::boundary_stretch::boundary_stretches;

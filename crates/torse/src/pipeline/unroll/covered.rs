@@ -1,6 +1,6 @@
 //! Faces that are not developable, covered by panels that are, within a tolerance of their own.
 
-use super::UnrollError;
+use super::options::UnrollError;
 use crate::answer::marks::Marks;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;

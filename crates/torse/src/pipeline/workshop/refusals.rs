@@ -1,6 +1,6 @@
 //! Thicknesses that cannot be.
 
-use super::WorkshopOptions;
+use super::options::WorkshopOptions;
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Subject};
 use crate::patchwork::pattern::Pattern;

@@ -4,7 +4,6 @@
 //! a triangle's side solved for; points of curves in space are projected onto the surface.
 
 use super::state::State;
-use crate::brep::face::Face;
 use crate::brep::project::SurfaceProjector;
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
@@ -111,67 +110,126 @@ const POINTS: usize = 161;
 /// Normals of sections may differ from unit length by this: six printed digits.
 const UNIT_LENGTH: f64 = 1e-6;
 
-/// The pieces of a curve on a face, as points of the parameter plane. Pieces whose ends coincide are closed.
-///
-/// # Errors
-/// See [`CurveError`].
-pub(crate) fn lines(
-    face: &Face,
-    state: &State,
-    curve: &PanelCurve,
-    tolerance: f64,
-) -> Result<Vec<Vec<[f64; 2]>>, CurveError> {
-    let name = || curve.name.clone();
-    let bounds = state.bounds();
-    let at = |a: f64, b: f64, s: f64| a + (b - a) * s;
-    let steps = || (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64);
-    match &curve.shape {
-        CurveShape::AlongV(s) | CurveShape::AlongU(s) if !(0.0..=1.0).contains(s) => {
-            Err(CurveError::Share { name: name(), value: *s })
-        }
-        CurveShape::AlongV(s) => {
-            let u = at(bounds[0], bounds[1], *s);
-            Ok(vec![steps().map(|t| [u, at(bounds[2], bounds[3], t)]).collect()])
-        }
-        CurveShape::AlongU(s) => {
-            let v = at(bounds[2], bounds[3], *s);
-            Ok(vec![steps().map(|t| [at(bounds[0], bounds[1], t), v]).collect()])
-        }
-        CurveShape::Section { normal, offset } => {
-            if !(offset.is_finite() && (normal.norm() - 1.0).abs() < UNIT_LENGTH) {
-                return Err(CurveError::Empty { name: name() });
+impl State {
+    /// The pieces of a curve on a face, as points of the parameter plane. Pieces whose ends coincide are closed.
+    ///
+    /// # Errors
+    /// See [`CurveError`].
+    pub(crate) fn lines_of(&self, curve: &PanelCurve, tolerance: f64) -> Result<Vec<Vec<[f64; 2]>>, CurveError> {
+        let name = || curve.name.clone();
+        let bounds = self.bounds();
+        let at = |a: f64, b: f64, s: f64| a + (b - a) * s;
+        let steps = || (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64);
+        match &curve.shape {
+            CurveShape::AlongV(s) | CurveShape::AlongU(s) if !(0.0..=1.0).contains(s) => {
+                Err(CurveError::Share { name: name(), value: *s })
             }
-            let found = section(face, state, normal, *offset);
-            if found.is_empty() {
-                let (lo, hi) = state
-                    .jets
-                    .iter()
-                    .map(|j| normal.dot(&j.jet.p))
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-                return Err(CurveError::Misses { name: name(), lo, hi });
+            CurveShape::AlongV(s) => {
+                let u = at(bounds[0], bounds[1], *s);
+                Ok(vec![steps().map(|t| [u, at(bounds[2], bounds[3], t)]).collect()])
             }
-            Ok(found)
+            CurveShape::AlongU(s) => {
+                let v = at(bounds[2], bounds[3], *s);
+                Ok(vec![steps().map(|t| [at(bounds[0], bounds[1], t), v]).collect()])
+            }
+            CurveShape::Section { normal, offset } => {
+                if !(offset.is_finite() && (normal.norm() - 1.0).abs() < UNIT_LENGTH) {
+                    return Err(CurveError::Empty { name: name() });
+                }
+                let found = self.section(normal, *offset);
+                if found.is_empty() {
+                    let (lo, hi) = self
+                        .jets
+                        .iter()
+                        .map(|j| normal.dot(&j.jet.p))
+                        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+                    return Err(CurveError::Misses { name: name(), lo, hi });
+                }
+                Ok(found)
+            }
+            CurveShape::Points(points) => {
+                let finite = points.iter().all(|p| p.iter().all(|x| x.is_finite()));
+                if !finite || points.len() < 3 || points.iter().all(|p| p == &points[0]) {
+                    return Err(CurveError::Empty { name: name() });
+                }
+                let projector = SurfaceProjector::new(&self.surface);
+                let feet: Vec<_> = points.iter().map(|x| projector.nearest(&self.surface, x)).collect();
+                let distance = feet.iter().map(|f| f.distance).fold(0.0, f64::max);
+                let allowed = (NEAR * self.surface.bbox().diagonal()).max(10.0 * tolerance);
+                if distance > allowed {
+                    return Err(CurveError::Off { name: name(), distance, allowed });
+                }
+                let line: Vec<[f64; 2]> = feet.iter().map(|f| f.at).collect();
+                let inside =
+                    |p: &[f64; 2]| (0..self.partition.triangles.len()).any(|t| holds(self.partition.corners(t), *p));
+                if !line.iter().any(inside) {
+                    return Err(CurveError::Outside { name: name() });
+                }
+                Ok(vec![line])
+            }
         }
-        CurveShape::Points(points) => {
-            let finite = points.iter().all(|p| p.iter().all(|x| x.is_finite()));
-            if !finite || points.len() < 3 || points.iter().all(|p| p == &points[0]) {
-                return Err(CurveError::Empty { name: name() });
+    }
+
+    /// Chains of points of the section of a face with a plane.
+    fn section(&self, normal: &Vec3, offset: f64) -> Vec<Vec<[f64; 2]>> {
+        const BISECTIONS: usize = 50;
+        let partition = &self.partition;
+        let height = |p: [f64; 2]| normal.dot(&self.surface.point(p[0], p[1])) - offset;
+        // Vertices on the plane count as above it: every triangle is crossed on none or two of its sides.
+        let above: Vec<bool> = self.jets.iter().map(|j| normal.dot(&j.jet.p) >= offset).collect();
+        let mut places: HashMap<(u32, u32), [f64; 2]> = HashMap::new();
+        let mut next: HashMap<(u32, u32), Vec<(u32, u32)>> = HashMap::new();
+        for t in &partition.triangles {
+            let crossed: Vec<(u32, u32)> = edges(*t)
+                .into_iter()
+                .filter(|&(a, b)| above[a as usize] != above[b as usize])
+                .map(|(a, b)| (a.min(b), a.max(b)))
+                .collect();
+            let [e, f] = crossed[..] else { continue };
+            for k in [e, f] {
+                places.entry(k).or_insert_with(|| {
+                    let (a, b) = (partition.vertices[k.0 as usize], partition.vertices[k.1 as usize]);
+                    let at = |s: f64| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])];
+                    let (mut lo, mut hi) = (0.0, 1.0);
+                    for _ in 0..BISECTIONS {
+                        let middle = 0.5 * (lo + hi);
+                        if (height(at(middle)) >= 0.0) == above[k.0 as usize] {
+                            lo = middle;
+                        } else {
+                            hi = middle;
+                        }
+                    }
+                    at(0.5 * (lo + hi))
+                });
             }
-            let projector = SurfaceProjector::new(&face.surface);
-            let feet: Vec<_> = points.iter().map(|x| projector.nearest(&face.surface, x)).collect();
-            let distance = feet.iter().map(|f| f.distance).fold(0.0, f64::max);
-            let allowed = (NEAR * face.surface.bbox().diagonal()).max(10.0 * tolerance);
-            if distance > allowed {
-                return Err(CurveError::Off { name: name(), distance, allowed });
-            }
-            let line: Vec<[f64; 2]> = feet.iter().map(|f| f.at).collect();
-            let inside =
-                |p: &[f64; 2]| (0..state.partition.triangles.len()).any(|t| holds(state.partition.corners(t), *p));
-            if !line.iter().any(inside) {
-                return Err(CurveError::Outside { name: name() });
-            }
-            Ok(vec![line])
+            next.entry(e).or_default().push(f);
+            next.entry(f).or_default().push(e);
         }
+        let mut keys: Vec<(u32, u32)> = next.keys().copied().collect();
+        // Open chains from their ends first.
+        keys.sort_unstable_by_key(|k| (next[k].len(), *k));
+        let mut used: std::collections::HashSet<(u32, u32)> = std::collections::HashSet::new();
+        let mut out = Vec::new();
+        for start in keys {
+            if !used.insert(start) {
+                continue;
+            }
+            let closed = next[&start].len() == 2;
+            let mut chain = vec![places[&start]];
+            let mut here = start;
+            while let Some(&k) = next[&here].iter().find(|k| !used.contains(k)) {
+                used.insert(k);
+                chain.push(places[&k]);
+                here = k;
+            }
+            if closed && chain.len() > 3 {
+                chain.push(places[&start]);
+            }
+            if chain.len() >= 3 {
+                out.push(chain);
+            }
+        }
+        out
     }
 }
 
@@ -211,68 +269,6 @@ fn holds(c: [[f64; 2]; 3], p: [f64; 2]) -> bool {
     let side = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let s = [side(c[0], c[1]), side(c[1], c[2]), side(c[2], c[0])];
     s.iter().all(|&x| x >= 0.0) || s.iter().all(|&x| x <= 0.0)
-}
-
-/// Chains of points of the section of a face with a plane.
-fn section(face: &Face, state: &State, normal: &Vec3, offset: f64) -> Vec<Vec<[f64; 2]>> {
-    const BISECTIONS: usize = 50;
-    let partition = &state.partition;
-    let height = |p: [f64; 2]| normal.dot(&face.surface.point(p[0], p[1])) - offset;
-    // Vertices on the plane count as above it: every triangle is crossed on none or two of its sides.
-    let above: Vec<bool> = state.jets.iter().map(|j| normal.dot(&j.jet.p) >= offset).collect();
-    let mut places: HashMap<(u32, u32), [f64; 2]> = HashMap::new();
-    let mut next: HashMap<(u32, u32), Vec<(u32, u32)>> = HashMap::new();
-    for t in &partition.triangles {
-        let crossed: Vec<(u32, u32)> = edges(*t)
-            .into_iter()
-            .filter(|&(a, b)| above[a as usize] != above[b as usize])
-            .map(|(a, b)| (a.min(b), a.max(b)))
-            .collect();
-        let [e, f] = crossed[..] else { continue };
-        for k in [e, f] {
-            places.entry(k).or_insert_with(|| {
-                let (a, b) = (partition.vertices[k.0 as usize], partition.vertices[k.1 as usize]);
-                let at = |s: f64| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])];
-                let (mut lo, mut hi) = (0.0, 1.0);
-                for _ in 0..BISECTIONS {
-                    let middle = 0.5 * (lo + hi);
-                    if (height(at(middle)) >= 0.0) == above[k.0 as usize] {
-                        lo = middle;
-                    } else {
-                        hi = middle;
-                    }
-                }
-                at(0.5 * (lo + hi))
-            });
-        }
-        next.entry(e).or_default().push(f);
-        next.entry(f).or_default().push(e);
-    }
-    let mut keys: Vec<(u32, u32)> = next.keys().copied().collect();
-    // Open chains from their ends first.
-    keys.sort_unstable_by_key(|k| (next[k].len(), *k));
-    let mut used: std::collections::HashSet<(u32, u32)> = std::collections::HashSet::new();
-    let mut out = Vec::new();
-    for start in keys {
-        if !used.insert(start) {
-            continue;
-        }
-        let closed = next[&start].len() == 2;
-        let mut chain = vec![places[&start]];
-        let mut here = start;
-        while let Some(&k) = next[&here].iter().find(|k| !used.contains(k)) {
-            used.insert(k);
-            chain.push(places[&k]);
-            here = k;
-        }
-        if closed && chain.len() > 3 {
-            chain.push(places[&start]);
-        }
-        if chain.len() >= 3 {
-            out.push(chain);
-        }
-    }
-    out
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Strip potentials whose bands follow what a user asks for, and rings (B2, B3): see `layout`.
 
-use super::halve::axes;
+use super::job::Job;
 use super::layout::DirectionField;
-use super::{Job, State};
+use super::state::State;
 use crate::fit::strip_potential::{directed_strip_potentials, StripPotential, StripPotentialOptions};
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
@@ -29,6 +29,22 @@ fn pulled_back(surface: &Surface, uv: [f64; 2], directions: &DirectionField) -> 
 }
 
 impl Job<'_> {
+    /// Cuts a region through the point that rings run around; the point, and all parts. `None` where one panel is enough.
+    pub(super) fn rings(&self, state: &mut State, label: u32) -> Option<(Vec3, Vec<u32>)> {
+        if self.single(state, label, None).accepted.is_some() {
+            return None;
+        }
+        let centre = state.middle(label)?;
+        let (_, axes) = state.axes_of_region(label);
+        let surface = &self.face.surface;
+        let fresh = state.partition.fresh_label();
+        state.cut(label, fresh, |p| axes[0].dot(&(surface.point(p[0], p[1]) - centre)));
+        let mut parts = state.partition.split_components(label);
+        parts.extend(state.partition.split_components(fresh));
+        parts.retain(|p| state.partition.labels.contains(p));
+        Some((centre, parts))
+    }
+
     /// Strip potentials whose bands follow a direction field, from so many samples, with so many spans.
     pub(super) fn directed_strip_potentials(
         &self,
@@ -45,44 +61,30 @@ impl Job<'_> {
     }
 }
 
-/// Cuts a region through the point that rings run around; the point, and all parts. `None` where one panel is enough.
-pub(super) fn rings(job: &Job, state: &mut State, label: u32) -> Option<(Vec3, Vec<u32>)> {
-    if job.single(state, label, None).accepted.is_some() {
-        return None;
-    }
-    let centre = middle(state, label)?;
-    let (_, axes) = axes(state, label);
-    let surface = &job.face.surface;
-    let fresh = state.partition.fresh_label();
-    state.cut(surface, label, fresh, |p| axes[0].dot(&(surface.point(p[0], p[1]) - centre)));
-    let mut parts = state.partition.split_components(label);
-    parts.extend(state.partition.split_components(fresh));
-    parts.retain(|p| state.partition.labels.contains(p));
-    Some((centre, parts))
-}
-
 /// Vertices that are compared with the border for [`middle`].
 const TRIED: usize = 400;
 
-/// The vertex that is farthest from the region's border.
-fn middle(state: &State, label: u32) -> Option<Vec3> {
-    let around = state.partition.adjacency();
-    let border: Vec<Vec3> = state
-        .partition
-        .region(label)
-        .into_iter()
-        .flat_map(|t| edges(state.partition.triangles[t]))
-        .filter(|&(a, b)| around.get(&(b, a)).is_none_or(|&t| state.partition.labels[t as usize] != label))
-        .map(|(a, _)| state.jets[a as usize].jet.p)
-        .collect();
-    let vertices = state.partition.region_vertices(label);
-    let step = vertices.len().div_ceil(TRIED).max(1);
-    let distance = |x: &Vec3| border.iter().map(|b| (b - x).norm_squared()).fold(f64::INFINITY, f64::min);
-    vertices
-        .into_iter()
-        .step_by(step)
-        .map(|v| state.jets[v as usize].jet.p)
-        .map(|x: Vec3| (distance(&x), x))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|m| m.1)
+impl State {
+    /// The vertex that is farthest from the region's border.
+    fn middle(&self, label: u32) -> Option<Vec3> {
+        let around = self.partition.adjacency();
+        let border: Vec<Vec3> = self
+            .partition
+            .region(label)
+            .into_iter()
+            .flat_map(|t| edges(self.partition.triangles[t]))
+            .filter(|&(a, b)| around.get(&(b, a)).is_none_or(|&t| self.partition.labels[t as usize] != label))
+            .map(|(a, _)| self.jets[a as usize].jet.p)
+            .collect();
+        let vertices = self.partition.region_vertices(label);
+        let step = vertices.len().div_ceil(TRIED).max(1);
+        let distance = |x: &Vec3| border.iter().map(|b| (b - x).norm_squared()).fold(f64::INFINITY, f64::min);
+        vertices
+            .into_iter()
+            .step_by(step)
+            .map(|v| self.jets[v as usize].jet.p)
+            .map(|x: Vec3| (distance(&x), x))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|m| m.1)
+    }
 }

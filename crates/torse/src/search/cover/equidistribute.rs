@@ -7,10 +7,9 @@
 //! narrower than their band join the band beside them. Marching, which needs some trials per band one after the other,
 //! is left to regions where this fails; what it leaves is laid anew in this way where its errors say that this pays.
 
-use super::halve::range;
+use super::job::{Job, DISTANCE_SHARE};
 use super::propose::{Attempt, AttemptOptions};
-use super::state::Density;
-use super::{Job, State, DISTANCE_SHARE};
+use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::spline::field::Field;
@@ -96,7 +95,7 @@ impl Job<'_> {
         }
         let most = (theory * (1.0 + MORE.0) + MORE.1) as usize;
         let count = (theory.ceil() as usize).clamp(1, budget.max(1));
-        let (lo, hi) = range(state, label, field);
+        let (lo, hi) = state.range(label, field);
         let rise = Rise::guessed(lo, hi, density);
         let start = Start { levels: rise.levels(count), rise, known: Vec::new(), rounds: ROUNDS, most };
         self.settled(state, label, field, start, budget)
@@ -107,11 +106,11 @@ impl Job<'_> {
     /// region `label` that `cover` covers.
     pub(super) fn evened(&self, before: &State, label: u32, cover: State) -> State {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let Some((field, fresh)) = chain(before, &cover) else { return cover };
+        let Some((field, fresh)) = before.chain(&cover) else { return cover };
         let bands: Vec<[f64; 3]> = fresh
             .iter()
             .map(|l| {
-                let (lo, hi) = range(&cover, *l, &field);
+                let (lo, hi) = cover.range(*l, &field);
                 [lo, hi, (cover.panels[l].error / allowed).max(LEAST_SHARE)]
             })
             .collect();
@@ -129,7 +128,7 @@ impl Job<'_> {
         });
         let known = known.collect();
         let start = Start { levels: rise.levels(count), rise, known, rounds: ROUNDS_ANEW, most: fresh.len() };
-        let least = |state: &State| newly(before, state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
+        let least = |state: &State| before.newly(state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
         match self.settled(before, label, &field, start, fresh.len()) {
             Some((s, _)) if s.panels.len() < cover.panels.len() || (uneven && least(&s) > least(&cover)) => s,
             _ => cover,
@@ -274,18 +273,18 @@ impl Job<'_> {
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
             let fresh = laid.partition.fresh_label();
-            laid.cut(&self.face.surface, label, fresh, |p| level - field.value(p));
+            laid.cut(label, fresh, |p| level - field.value(p));
             // A band narrower than a hair has no triangle.
             let empty = !laid.partition.labels.contains(&fresh);
             bands.push(if empty { Vec::new() } else { laid.partition.split_components(fresh) });
         }
         bands.push(laid.partition.split_components(label));
-        absorb_narrow(&mut laid, &mut bands, field, levels);
+        laid.absorb_narrow(&mut bands, field, levels);
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let how = proposals(known);
         let proposed = |label: u32, w: &[f64], alone: bool| {
             let before = known.iter().find(|k| k.ends[..] == *w).map_or(&[][..], |k| &k.good[..]);
-            let sampled = || laid.dense_samples(&self.face.surface, label, how.density);
+            let sampled = || laid.dense_samples(label, how.density);
             let samples = if before.is_empty() { Vec::new() } else { sampled() };
             let kept = before.iter().find_map(|(fit, proven)| {
                 let (error, worst) = crate::fit::near::samples::error(&fit.torse, &samples)?;
@@ -329,7 +328,7 @@ impl Job<'_> {
 
     /// The middle line of a component of the band between two levels.
     fn middle(&self, laid: &State, label: u32, field: &Field, w: &[f64]) -> Vec<CentrePoint> {
-        let (lo, hi) = range(laid, label, field);
+        let (lo, hi) = laid.range(label, field);
         self.centre(laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
     }
 }
@@ -358,55 +357,57 @@ fn bands_for(rise: f64) -> usize {
     (rise / AIM.sqrt()).ceil() as usize
 }
 
-/// The panels of a cover that are new to it.
-fn newly<'a>(before: &'a State, cover: &'a State) -> impl Iterator<Item = (u32, &'a Arc<Fit>)> {
-    let is_new = |l: &u32, fit: &Arc<Fit>| before.panels.get(l).is_none_or(|f| !Arc::ptr_eq(f, fit));
-    cover.panels.iter().filter(move |(l, fit)| is_new(l, fit)).map(|(l, fit)| (*l, fit))
-}
-
-/// The panels of a cover that are new to it and the function of which all of them are bands. `None` where there are
-/// others among them.
-fn chain(before: &State, cover: &State) -> Option<(Arc<Field>, Vec<u32>)> {
-    let fresh: Vec<u32> = newly(before, cover).map(|p| p.0).collect();
-    let field = cover.bands.get(fresh.first()?)?;
-    let all = fresh.iter().all(|l| cover.bands.get(l).is_some_and(|f| Arc::ptr_eq(f, field)));
-    (all && fresh.len() > 1).then(|| (Arc::clone(field), fresh))
-}
-
-/// Gives components that are far narrower than their bands, as levels cut them off at a border, to the components beside
-/// them that share the most edges.
-fn absorb_narrow(laid: &mut State, bands: &mut [Vec<u32>], field: &Field, levels: &[f64]) {
-    let narrow: HashSet<u32> = bands
-        .iter()
-        .zip(levels.windows(2))
-        .flat_map(|(band, w)| {
-            let is_narrow = |l: &u32| {
-                let (lo, hi) = range(laid, *l, field);
-                hi - lo < NARROW * (w[1] - w[0])
-            };
-            band.iter().copied().filter(is_narrow).collect::<Vec<u32>>()
-        })
-        .collect();
-    if narrow.is_empty() {
-        return;
+impl State {
+    /// The panels of a cover that are new to it.
+    fn newly<'a>(&'a self, cover: &'a State) -> impl Iterator<Item = (u32, &'a Arc<Fit>)> {
+        let is_new = |l: &u32, fit: &Arc<Fit>| self.panels.get(l).is_none_or(|f| !Arc::ptr_eq(f, fit));
+        cover.panels.iter().filter(move |(l, fit)| is_new(l, fit)).map(|(l, fit)| (*l, fit))
     }
-    let wide: HashSet<u32> = bands.iter().flatten().copied().filter(|l| !narrow.contains(l)).collect();
-    // Of each narrow one, edges shared with the best neighbour, and that one.
-    let mut into: HashMap<u32, (usize, u32)> = HashMap::new();
-    for ((a, b), shared) in laid.partition.neighbours() {
-        for (from, to) in [(a, b), (b, a)] {
-            if narrow.contains(&from) && wide.contains(&to) {
-                let best = into.entry(from).or_insert((0, to));
-                *best = (*best).max((shared, to));
+
+    /// The panels of a cover that are new to it and the function of which all of them are bands. `None` where there are
+    /// others among them.
+    fn chain(&self, cover: &State) -> Option<(Arc<Field>, Vec<u32>)> {
+        let fresh: Vec<u32> = self.newly(cover).map(|p| p.0).collect();
+        let field = cover.bands.get(fresh.first()?)?;
+        let all = fresh.iter().all(|l| cover.bands.get(l).is_some_and(|f| Arc::ptr_eq(f, field)));
+        (all && fresh.len() > 1).then(|| (Arc::clone(field), fresh))
+    }
+
+    /// Gives components that are far narrower than their bands, as levels cut them off at a border, to the components beside
+    /// them that share the most edges.
+    fn absorb_narrow(&mut self, bands: &mut [Vec<u32>], field: &Field, levels: &[f64]) {
+        let narrow: HashSet<u32> = bands
+            .iter()
+            .zip(levels.windows(2))
+            .flat_map(|(band, w)| {
+                let is_narrow = |l: &u32| {
+                    let (lo, hi) = self.range(*l, field);
+                    hi - lo < NARROW * (w[1] - w[0])
+                };
+                band.iter().copied().filter(is_narrow).collect::<Vec<u32>>()
+            })
+            .collect();
+        if narrow.is_empty() {
+            return;
+        }
+        let wide: HashSet<u32> = bands.iter().flatten().copied().filter(|l| !narrow.contains(l)).collect();
+        // Of each narrow one, edges shared with the best neighbour, and that one.
+        let mut into: HashMap<u32, (usize, u32)> = HashMap::new();
+        for ((a, b), shared) in self.partition.neighbours() {
+            for (from, to) in [(a, b), (b, a)] {
+                if narrow.contains(&from) && wide.contains(&to) {
+                    let best = into.entry(from).or_insert((0, to));
+                    *best = (*best).max((shared, to));
+                }
             }
         }
-    }
-    for l in &mut laid.partition.labels {
-        if let Some((_, to)) = into.get(l) {
-            *l = *to;
+        for l in &mut self.partition.labels {
+            if let Some((_, to)) = into.get(l) {
+                *l = *to;
+            }
         }
+        bands.iter_mut().for_each(|band| band.retain(|l| !into.contains_key(l)));
     }
-    bands.iter_mut().for_each(|band| band.retain(|l| !into.contains_key(l)));
 }
 
 /// A band of the round before.

@@ -1,8 +1,8 @@
 //! What is developable already stays what it is: the torse of the surface itself, tried before any other
 //! (docs/algorithms/cover.md, "What is developable already").
 
-use super::state::Density;
-use super::{layout, CoverOptions, Job, State, DISTANCE_SHARE};
+use super::job::{CoverOptions, Job, DISTANCE_SHARE};
+use super::state::{Density, State};
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
 use crate::certify::distance::{distance, DistanceOptions};
@@ -87,8 +87,8 @@ pub(in crate::search) fn exact_regions(face: &Face, options: &CoverOptions, amon
     let [u, v] = lines(&rulings, options.tolerance)?;
     let mut state = State::on_lines(face, with_lines(u, among[0]), with_lines(v, among[1])).ok()?;
     state.partition.split_components(0);
-    layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
-    part_where_touching(face, &mut state, rulings.is_swapped());
+    state.cut_along_seams(&options.layout, options.tolerance);
+    state.part_where_touching(rulings.is_swapped());
     Some(state)
 }
 
@@ -108,27 +108,29 @@ fn with_lines(mut lines: Vec<f64>, more: &[f64]) -> Vec<f64> {
     lines
 }
 
-/// Parts regions whose border touches itself, as around holes that touch each other: a panel has one border that does not. Cut
-/// is along the ruling through the place; where holes lie side by side, so that they touch that ruling, across it too.
-fn part_where_touching(face: &Face, state: &mut State, swapped: bool) {
-    let ruling = usize::from(swapped);
-    for selects in [ruling, 1 - ruling] {
-        let mut labels = state.partition.distinct_labels();
-        while let Some(label) = labels.pop() {
-            let bounds = state.partition.bounds(label);
-            let (lo, hi) = (bounds[2 * selects], bounds[2 * selects + 1]);
-            let touching = state.partition.touching(label).into_iter();
-            let mut places = touching.map(|v| state.partition.vertices[v as usize][selects]);
-            // A line beside which all of the region lies parts nothing.
-            let Some(place) = places.find(|p| lo < *p && *p < hi) else { continue };
-            state.touched = true;
-            let fresh = state.partition.fresh_label();
-            state.cut(&face.surface, label, fresh, |p| p[selects] - place);
-            let pieces = [label, fresh].map(|l| state.partition.region(l).len());
-            // What snaps to vertices may part nothing after all.
-            if pieces.iter().all(|n| *n > 0) {
-                labels.extend(state.partition.split_components(label));
-                labels.extend(state.partition.split_components(fresh));
+impl State {
+    /// Parts regions whose border touches itself, as around holes that touch each other: a panel has one border that does not. Cut
+    /// is along the ruling through the place; where holes lie side by side, so that they touch that ruling, across it too.
+    fn part_where_touching(&mut self, swapped: bool) {
+        let ruling = usize::from(swapped);
+        for selects in [ruling, 1 - ruling] {
+            let mut labels = self.partition.distinct_labels();
+            while let Some(label) = labels.pop() {
+                let bounds = self.partition.bounds(label);
+                let (lo, hi) = (bounds[2 * selects], bounds[2 * selects + 1]);
+                let touching = self.partition.touching(label).into_iter();
+                let mut places = touching.map(|v| self.partition.vertices[v as usize][selects]);
+                // A line beside which all of the region lies parts nothing.
+                let Some(place) = places.find(|p| lo < *p && *p < hi) else { continue };
+                self.touched = true;
+                let fresh = self.partition.fresh_label();
+                self.cut(label, fresh, |p| p[selects] - place);
+                let pieces = [label, fresh].map(|l| self.partition.region(l).len());
+                // What snaps to vertices may part nothing after all.
+                if pieces.iter().all(|n| *n > 0) {
+                    labels.extend(self.partition.split_components(label));
+                    labels.extend(self.partition.split_components(fresh));
+                }
             }
         }
     }
@@ -223,7 +225,7 @@ impl Job<'_> {
         let tolerance = self.options.tolerance;
         let surface = &self.face.surface;
         let rulings = Rulings::of(surface, state.partition.bounds(label), SLACK * tolerance)?;
-        let samples = state.dense_samples(surface, label, Density::Usual);
+        let samples = state.dense_samples(label, Density::Usual);
         let fit = exact(&rulings, &samples, &asked(tolerance))?;
         let triangles = state.triangles(label);
         let allowed = tolerance * DISTANCE_SHARE;

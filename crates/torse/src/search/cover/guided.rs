@@ -12,10 +12,10 @@
 //! not through every one of them exactly; curves are carried on straight in the parameter plane until they leave the
 //! face; closed curves become two halves.
 
-use super::curve_on_face::{carried_on, lines, CurveError, PanelCurve};
+use super::curve_on_face::{carried_on, CurveError, PanelCurve};
+use super::job::{Job, DISTANCE_SHARE};
 use super::layout::DirectionField;
-use super::state::{Density, Origin};
-use super::{is_complete, Job, State, DISTANCE_SHARE};
+use super::state::{Density, Origin, State};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
 use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
@@ -70,29 +70,29 @@ struct RuledTorse {
     torse: crate::torse::form::Torse,
 }
 
-/// Checks curves against a face: one result for each.
-pub(crate) fn checked(job: &Job, state: &State, curves: &[PanelCurve]) -> Vec<Result<(), CurveError>> {
-    let tolerance = job.options.tolerance;
-    curves
-        .iter()
-        .map(|c| {
-            for line in lines(job.face, state, c, tolerance)? {
-                let points = resampled(&job.face.surface, &line);
-                envelope_along(&job.face.surface, &points)
-                    .map_err(|source| CurveError::Envelope { name: c.name.clone(), source })?;
-            }
-            Ok(())
-        })
-        .collect()
-}
-
 impl Job<'_> {
+    /// Checks curves against a face: one result for each.
+    pub(super) fn checked(&self, state: &State, curves: &[PanelCurve]) -> Vec<Result<(), CurveError>> {
+        let tolerance = self.options.tolerance;
+        curves
+            .iter()
+            .map(|c| {
+                for line in state.lines_of(c, tolerance)? {
+                    let points = resampled(&self.face.surface, &line);
+                    envelope_along(&self.face.surface, &points)
+                        .map_err(|source| CurveError::Envelope { name: c.name.clone(), source })?;
+                }
+                Ok(())
+            })
+            .collect()
+    }
+
     /// A cover along curves: panels along these and fronts from there on, and what they leave free, unless strips that run in
     /// the direction of the nearest curve are clearly fewer. Envelopes lie on one side of the face, so their strips are
     /// narrower than those that lie on both, and a front begins where the last one ended whatever is left at its end.
     pub(super) fn along_curves(&mut self, state: State, curves: &[PanelCurve]) -> State {
         let tolerance = self.options.tolerance;
-        let found = |c: &PanelCurve| lines(self.face, &state, c, tolerance).unwrap_or_default();
+        let found = |c: &PanelCurve| state.lines_of(c, tolerance).unwrap_or_default();
         let found: Vec<Vec<Vec<[f64; 2]>>> = curves.iter().map(found).collect();
         let in_space = |l: &Vec<[f64; 2]>| l.iter().map(|p| self.face.surface.point(p[0], p[1])).collect();
         let beside: Vec<Vec<Vec3>> = found.iter().flatten().map(in_space).collect();
@@ -105,9 +105,9 @@ impl Job<'_> {
             return found;
         }
         let directed = self.covered(state.clone(), &directions);
-        let count = Self::count(&directed) as f64;
-        if !is_complete(&directed) || promised.is_none_or(|n| count > n) {
-            let most = if is_complete(&directed) { MORE * count } else { f64::INFINITY };
+        let count = directed.panels.len() as f64;
+        if !directed.is_complete() || promised.is_none_or(|n| count > n) {
+            let most = if directed.is_complete() { MORE * count } else { f64::INFINITY };
             if let Some(found) = self.within(&state, curves, most).filter(|_| !self.control.stopped()) {
                 return found;
             }
@@ -132,7 +132,7 @@ impl Job<'_> {
         let found = self.guided(state.clone(), curves);
         let found = self.covered(found, &DirectionField::Free);
         self.options.max_panels = whole;
-        is_complete(&found).then_some(found)
+        found.is_complete().then_some(found)
     }
 
     /// Names the panel in which most of a curve lies after it.
@@ -158,7 +158,7 @@ impl Job<'_> {
         let bounds = state.bounds();
         let mut fronts: Vec<(String, usize, Line, f64)> = Vec::new();
         for c in curves {
-            let Ok(found) = lines(self.face, &state, c, self.options.tolerance) else { continue };
+            let Ok(found) = state.lines_of(c, self.options.tolerance) else { continue };
             for line in found.into_iter().flat_map(opened) {
                 let Some(ruled) = self.ruled_torse(&line, bounds) else { continue };
                 if let Some(laid) = self.strip(&state, &ruled, None, &c.name, 0) {
@@ -173,7 +173,7 @@ impl Job<'_> {
         let mut fronts = std::collections::VecDeque::from(fronts);
         while let Some((name, step, border, side)) = fronts.pop_front() {
             let full = state.panels.len() >= self.options.max_panels;
-            if self.control.stopped() || full || step > MOST_STRIPS || free(&state).is_empty() {
+            if self.control.stopped() || full || step > MOST_STRIPS || state.free().is_empty() {
                 break;
             }
             if let Some((laid, next)) = self.advanced(&state, &border, side, bounds, (&name, step)) {
@@ -262,7 +262,7 @@ impl Job<'_> {
             let (mut trial, labels) = self.cut_out(state, &polygon);
             let mut worst: f64 = 0.0;
             for &label in &labels {
-                let samples = trial.dense_samples(surface, label, Density::Usual);
+                let samples = trial.dense_samples(label, Density::Usual);
                 let Some((e, at)) = error(&ruled.torse, &samples) else {
                     worst = f64::INFINITY;
                     break;
@@ -304,9 +304,9 @@ impl Job<'_> {
     fn cut_out(&self, state: &State, polygon: &[[f64; 2]]) -> (State, Vec<u32>) {
         let mut trial = state.clone();
         let mut labels = Vec::new();
-        for label in free(state) {
+        for label in state.free() {
             let fresh = trial.partition.fresh_label();
-            trial.cut(&self.face.surface, label, fresh, |p| inside_by(polygon, p));
+            trial.cut(label, fresh, |p| inside_by(polygon, p));
             if trial.partition.labels.contains(&fresh) {
                 labels.extend(trial.partition.split_components(fresh));
             }
@@ -332,9 +332,11 @@ struct Ahead {
     share: f64,
 }
 
-/// Labels without a torse.
-fn free(state: &State) -> BTreeSet<u32> {
-    state.partition.distinct_labels().into_iter().filter(|l| !state.panels.contains_key(l)).collect()
+impl State {
+    /// Labels without a torse.
+    fn free(&self) -> BTreeSet<u32> {
+        self.partition.distinct_labels().into_iter().filter(|l| !self.panels.contains_key(l)).collect()
+    }
 }
 
 /// The longest part of a line along which the envelope is regular and bends to one side.

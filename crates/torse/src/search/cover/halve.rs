@@ -3,12 +3,73 @@
 use super::state::State;
 use crate::geom::Vec3;
 use crate::spline::field::Field;
-use crate::spline::surface::Surface;
 use nalgebra as na;
+use std::sync::Arc;
 
-/// Mean point and principal axes (longest first) of a region's vertices.
-pub(super) fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
-    axes_of(&state.samples(label).iter().map(|s| (s.x, s.weight)).collect::<Vec<_>>())
+impl State {
+    /// Mean point and principal axes (longest first) of a region's vertices.
+    pub(super) fn axes_of_region(&self, label: u32) -> (Vec3, [Vec3; 3]) {
+        axes_of(&self.samples(label).iter().map(|s| (s.x, s.weight)).collect::<Vec<_>>())
+    }
+
+    /// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
+    /// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
+    pub(super) fn halve(&mut self, label: u32, axis: usize) -> Option<Vec<u32>> {
+        self.divide(label, axis, 2)
+    }
+
+    /// As [`halve`], into equal parts of the extent.
+    pub(super) fn divide(&mut self, label: u32, axis: usize, parts: usize) -> Option<Vec<u32>> {
+        let (mean, axes) = self.axes_of_region(label);
+        let direction = match axis {
+            0 | 1 => axes[axis],
+            _ => (axes[0] + axes[1]).normalize(),
+        };
+        let along: Vec<f64> = self
+            .partition
+            .region_vertices(label)
+            .into_iter()
+            .map(|v| direction.dot(&(self.jets[v as usize].jet.p - mean)))
+            .collect();
+        let (lo, hi) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let mut all = vec![label];
+        for k in 1..parts {
+            let at = lo + (hi - lo) * k as f64 / parts as f64;
+            let mut next = Vec::new();
+            for l in all {
+                match self.cut_across(l, &mean, &direction, at) {
+                    Some(cut) => next.extend(cut),
+                    None => next.push(l),
+                }
+            }
+            all = next;
+        }
+        (all.len() > 1).then_some(all)
+    }
+
+    pub(super) fn cut_across(&mut self, label: u32, mean: &Vec3, direction: &Vec3, at: f64) -> Option<Vec<u32>> {
+        let surface = Arc::clone(&self.surface);
+        self.parted(label, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at)
+    }
+
+    /// Cuts a region where a function of the parameters is zero; the labels of all parts. `None` if that separates nothing.
+    pub(super) fn parted(&mut self, label: u32, height: impl Fn([f64; 2]) -> f64) -> Option<Vec<u32>> {
+        let fresh = self.partition.fresh_label();
+        self.cut(label, fresh, height);
+        let mut parts = self.partition.split_components(label);
+        parts.extend(self.partition.split_components(fresh));
+        parts.retain(|&p| self.partition.labels.contains(&p));
+        (parts.len() > 1).then_some(parts)
+    }
+
+    /// Smallest and largest value of a field over a region's vertices.
+    pub(super) fn range(&self, label: u32, field: &Field) -> (f64, f64) {
+        self.partition
+            .region_vertices(label)
+            .into_iter()
+            .map(|v| field.value(self.partition.vertices[v as usize]))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+    }
 }
 
 /// Mean point and principal axes (longest first) of weighted points.
@@ -24,75 +85,4 @@ pub(super) fn axes_of(points: &[(Vec3, f64)]) -> (Vec3, [Vec3; 3]) {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| e.eigenvalues[b].total_cmp(&e.eigenvalues[a]));
     (mean, order.map(|k| e.eigenvectors.column(k).into_owned()))
-}
-
-/// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
-/// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
-pub(super) fn halve(surface: &Surface, state: &mut State, label: u32, axis: usize) -> Option<Vec<u32>> {
-    divide(surface, state, label, axis, 2)
-}
-
-/// As [`halve`], into equal parts of the extent.
-pub(super) fn divide(surface: &Surface, state: &mut State, label: u32, axis: usize, parts: usize) -> Option<Vec<u32>> {
-    let (mean, axes) = axes(state, label);
-    let direction = match axis {
-        0 | 1 => axes[axis],
-        _ => (axes[0] + axes[1]).normalize(),
-    };
-    let along: Vec<f64> = state
-        .partition
-        .region_vertices(label)
-        .into_iter()
-        .map(|v| direction.dot(&(state.jets[v as usize].jet.p - mean)))
-        .collect();
-    let (lo, hi) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-    let mut all = vec![label];
-    for k in 1..parts {
-        let at = lo + (hi - lo) * k as f64 / parts as f64;
-        let mut next = Vec::new();
-        for l in all {
-            match cut_across(surface, state, l, &mean, &direction, at) {
-                Some(cut) => next.extend(cut),
-                None => next.push(l),
-            }
-        }
-        all = next;
-    }
-    (all.len() > 1).then_some(all)
-}
-
-pub(super) fn cut_across(
-    surface: &Surface,
-    state: &mut State,
-    label: u32,
-    mean: &Vec3,
-    direction: &Vec3,
-    at: f64,
-) -> Option<Vec<u32>> {
-    parted(surface, state, label, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at)
-}
-
-/// Cuts a region where a function of the parameters is zero; the labels of all parts. `None` if that separates nothing.
-pub(super) fn parted(
-    surface: &Surface,
-    state: &mut State,
-    label: u32,
-    height: impl Fn([f64; 2]) -> f64,
-) -> Option<Vec<u32>> {
-    let fresh = state.partition.fresh_label();
-    state.cut(surface, label, fresh, height);
-    let mut parts = state.partition.split_components(label);
-    parts.extend(state.partition.split_components(fresh));
-    parts.retain(|&p| state.partition.labels.contains(&p));
-    (parts.len() > 1).then_some(parts)
-}
-
-/// Smallest and largest value of a field over a region's vertices.
-pub(super) fn range(state: &State, label: u32, field: &Field) -> (f64, f64) {
-    state
-        .partition
-        .region_vertices(label)
-        .into_iter()
-        .map(|v| field.value(state.partition.vertices[v as usize]))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
 }

@@ -35,7 +35,7 @@ pub(crate) struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    pub(super) fn new(face: &'a Face, options: &'a CoverOptions, control: &'a Control) -> Self {
+    pub(crate) fn new(face: &'a Face, options: &'a CoverOptions, control: &'a Control) -> Self {
         let (prepared, proofs) = (Prepared::new(&face.surface), AtomicUsize::new(0));
         Self { face, prepared, options: options.clone(), control, proofs, directions: DirectionField::Free }
     }

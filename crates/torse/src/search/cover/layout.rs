@@ -8,13 +8,11 @@
 //! Not guaranteed: the direction itself. Where a direction is asymptotic no strip follows it, and where bands fail the
 //! usual means (cuts, facets) take over: the tolerance comes first.
 
-use super::curve_on_face::{carried_on, lines, PanelCurve};
+use super::curve_on_face::{carried_on, PanelCurve};
 use super::seam_line::SeamLine;
 use super::state::State;
-use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
-use crate::spline::surface::Surface;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -113,89 +111,91 @@ fn tangent(lines: &[Vec<Vec3>], x: &Vec3) -> Option<Vec3> {
     best.map(|b| b.1)
 }
 
-/// The lines of curves on a face, as far as these run over it; those that end on it go on straight to its border.
-fn seam_lines(face: &Face, state: &State, curves: &[PanelCurve], tolerance: f64) -> Vec<SeamLine> {
-    let bounds = state.bounds();
-    let on_face = curves.iter().flat_map(|c| lines(face, state, c, tolerance).unwrap_or_default());
-    let line = |uv: Vec<[f64; 2]>| {
-        let closed = uv.len() > 2 && uv.first() == uv.last();
-        SeamLine::new(&face.surface, &if closed { uv } else { carried_on(&uv, bounds) })
-    };
-    on_face.filter(|l| l.len() > 1).map(line).collect()
+impl State {
+    /// The lines of curves on a face, as far as these run over it; those that end on it go on straight to its border.
+    fn seam_lines_of(&self, curves: &[PanelCurve], tolerance: f64) -> Vec<SeamLine> {
+        let bounds = self.bounds();
+        let on_face = curves.iter().flat_map(|c| self.lines_of(c, tolerance).unwrap_or_default());
+        let line = |uv: Vec<[f64; 2]>| {
+            let closed = uv.len() > 2 && uv.first() == uv.last();
+            SeamLine::new(&self.surface, &if closed { uv } else { carried_on(&uv, bounds) })
+        };
+        on_face.filter(|l| l.len() > 1).map(line).collect()
+    }
+
+    /// Halves the edges of triangles beside a line as long as its height over them is not linear within `allowed` (mm): a loop within a
+    /// triangle, or a bow across one of its sides, has no vertex on its other side.
+    fn refine_beside(&mut self, line: &SeamLine, allowed: f64) {
+        let mut height: HashMap<u32, f64> = HashMap::new();
+        let mut linear: HashSet<(u32, u32)> = HashSet::new();
+        for _ in 0..HALVINGS {
+            for v in 0..self.jets.len() as u32 {
+                height.entry(v).or_insert_with(|| line.height(&self.jets[v as usize].jet.p));
+            }
+            let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+            for (a, b) in self.partition.triangles.iter().flat_map(|t| edges(*t)) {
+                let key = (a.min(b), a.max(b));
+                if linear.contains(&key) || middle.contains_key(&key) {
+                    continue;
+                }
+                let [x, y] = [key.0, key.1].map(|v| self.jets[v as usize].jet.p);
+                let (h, k, long) = (height[&key.0], height[&key.1], (y - x).norm());
+                let [p, q] = [key.0, key.1].map(|v| self.partition.vertices[v as usize]);
+                let m = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+                let there = line.height(&self.surface.point(m[0], m[1]));
+                let is_near = h.abs().min(k.abs()).min(there.abs()) <= long;
+                if is_near && long > allowed && (there - 0.5 * (h + k)).abs() > allowed {
+                    middle.insert(key, self.partition.vertices.len() as u32);
+                    self.partition.vertices.push(m);
+                } else {
+                    linear.insert(key);
+                }
+            }
+            if middle.is_empty() {
+                return;
+            }
+            self.partition.split_edges(&middle);
+            self.update();
+        }
+    }
+
+    /// Cuts every region along the planes and curves of user seams.
+    pub(super) fn cut_along_seams(&mut self, layout: &Layout, tolerance: f64) {
+        self.seam_lines = Arc::new(self.seam_lines_of(&layout.seam_curves, tolerance));
+        let (surface, lines) = (Arc::clone(&self.surface), Arc::clone(&self.seam_lines));
+        lines.iter().for_each(|l| self.refine_beside(l, BESIDE * tolerance));
+        let mut cut = |height: &dyn Fn(&Vec3) -> f64| {
+            for label in self.partition.distinct_labels() {
+                let fresh = self.partition.fresh_label();
+                self.cut(label, fresh, |p| height(&surface.point(p[0], p[1])));
+            }
+        };
+        layout.seams.iter().for_each(|s| cut(&|x| s.height(x)));
+        lines.iter().for_each(|l| cut(&|x| l.height(x)));
+        for label in self.partition.distinct_labels() {
+            self.partition.split_components(label);
+        }
+    }
+
+    /// Whether no user seam runs between two regions.
+    pub(super) fn same_side(&self, seams: &[SeamPlane], a: u32, b: u32) -> bool {
+        let side = |label: u32, height: &dyn Fn(&Vec3) -> f64| {
+            // The vertex farthest from the plane: those on the plane tell nothing.
+            let heights = self.partition.region_vertices(label).into_iter().map(|v| {
+                let x: Vec3 = self.jets[v as usize].jet.p;
+                height(&x)
+            });
+            heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
+        };
+        let same = |height: &dyn Fn(&Vec3) -> f64| side(a, height) == side(b, height);
+        seams.iter().all(|s| same(&|x| s.height(x))) && self.seam_lines.iter().all(|l| same(&|x| l.height(x)))
+    }
 }
 
 /// Share of the tolerance by which a seam may be cut beside its curve.
 const BESIDE: f64 = 0.1;
 /// Halvings of the triangles beside a curve at most.
 const HALVINGS: usize = 16;
-
-/// Halves the edges of triangles beside a line as long as its height over them is not linear within `allowed` (mm): a loop within a
-/// triangle, or a bow across one of its sides, has no vertex on its other side.
-fn refine_beside(surface: &Surface, state: &mut State, line: &SeamLine, allowed: f64) {
-    let mut height: HashMap<u32, f64> = HashMap::new();
-    let mut linear: HashSet<(u32, u32)> = HashSet::new();
-    for _ in 0..HALVINGS {
-        for v in 0..state.jets.len() as u32 {
-            height.entry(v).or_insert_with(|| line.height(&state.jets[v as usize].jet.p));
-        }
-        let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
-        for (a, b) in state.partition.triangles.iter().flat_map(|t| edges(*t)) {
-            let key = (a.min(b), a.max(b));
-            if linear.contains(&key) || middle.contains_key(&key) {
-                continue;
-            }
-            let [x, y] = [key.0, key.1].map(|v| state.jets[v as usize].jet.p);
-            let (h, k, long) = (height[&key.0], height[&key.1], (y - x).norm());
-            let [p, q] = [key.0, key.1].map(|v| state.partition.vertices[v as usize]);
-            let m = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
-            let there = line.height(&surface.point(m[0], m[1]));
-            let is_near = h.abs().min(k.abs()).min(there.abs()) <= long;
-            if is_near && long > allowed && (there - 0.5 * (h + k)).abs() > allowed {
-                middle.insert(key, state.partition.vertices.len() as u32);
-                state.partition.vertices.push(m);
-            } else {
-                linear.insert(key);
-            }
-        }
-        if middle.is_empty() {
-            return;
-        }
-        state.partition.split_edges(&middle);
-        state.update(surface);
-    }
-}
-
-/// Cuts every region along the planes and curves of user seams.
-pub(super) fn cut_along_seams(face: &Face, state: &mut State, layout: &Layout, tolerance: f64) {
-    state.seam_lines = Arc::new(seam_lines(face, state, &layout.seam_curves, tolerance));
-    let (surface, lines) = (&face.surface, Arc::clone(&state.seam_lines));
-    lines.iter().for_each(|l| refine_beside(surface, state, l, BESIDE * tolerance));
-    let mut cut = |height: &dyn Fn(&Vec3) -> f64| {
-        for label in state.partition.distinct_labels() {
-            let fresh = state.partition.fresh_label();
-            state.cut(surface, label, fresh, |p| height(&surface.point(p[0], p[1])));
-        }
-    };
-    layout.seams.iter().for_each(|s| cut(&|x| s.height(x)));
-    lines.iter().for_each(|l| cut(&|x| l.height(x)));
-    for label in state.partition.distinct_labels() {
-        state.partition.split_components(label);
-    }
-}
-
-/// Whether no user seam runs between two regions.
-pub(super) fn same_side(state: &State, seams: &[SeamPlane], a: u32, b: u32) -> bool {
-    let side = |label: u32, height: &dyn Fn(&Vec3) -> f64| {
-        // The vertex farthest from the plane: those on the plane tell nothing.
-        let heights = state.partition.region_vertices(label).into_iter().map(|v| {
-            let x: Vec3 = state.jets[v as usize].jet.p;
-            height(&x)
-        });
-        heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
-    };
-    let same = |height: &dyn Fn(&Vec3) -> f64| side(a, height) == side(b, height);
-    seams.iter().all(|s| same(&|x| s.height(x))) && state.seam_lines.iter().all(|l| same(&|x| l.height(x)))
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,8 @@
 //! Bands of a strip potential: greedy marching with width control, every component on its own (B3.6, C5).
 
-use super::halve::range;
+use super::job::{Job, DISTANCE_SHARE};
 use super::propose::AttemptOptions;
-use super::{Job, State};
+use super::state::State;
 use crate::fit::near::centre_line::centre_line;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
@@ -126,7 +126,7 @@ impl Job<'_> {
 
     /// Bands of a linear function, given up as soon as they exceed `limit`.
     pub(super) fn swept(&self, state: &State, label: u32, field: &Field, limit: Limit) -> Option<State> {
-        let (lo, hi) = range(state, label, field);
+        let (lo, hi) = state.range(label, field);
         let field = &Arc::new(field.clone());
         let lay = Lay { field, theory: None, strict: true, depth: 0 };
         self.march(state.clone(), label, &lay, 0.25 * (hi - lo), limit)
@@ -134,7 +134,7 @@ impl Job<'_> {
 
     fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: Limit) -> Option<State> {
         let before = state.panels.len();
-        let (lo, hi) = range(&state, label, lay.field);
+        let (lo, hi) = state.range(label, lay.field);
         let whole = hi - lo;
         let mut open = vec![Rest { label, width, narrow: 0 }];
         let mut skipped = 0;
@@ -160,13 +160,13 @@ impl Job<'_> {
                 None if lay.strict => return None,
                 None => {
                     let budget = limit.panels().saturating_sub(used + open.len());
-                    let (lo, hi) = range(&state, rest.label, lay.field);
+                    let (lo, hi) = state.range(rest.label, lay.field);
                     if hi - lo > BEHIND * width && skipped < SKIPS {
                         // The end resists: it is left behind for other means, and the march goes on beyond it.
                         skipped += 1;
                         let end = state.partition.fresh_label();
                         let level = lo + width;
-                        state.cut(&self.face.surface, rest.label, end, |p| level - lay.field.value(p));
+                        state.cut(rest.label, end, |p| level - lay.field.value(p));
                         let ahead = state.partition.split_components(rest.label);
                         for label in state.partition.split_components(end) {
                             let used = state.panels.len() - before;
@@ -190,15 +190,14 @@ impl Job<'_> {
 
     /// Bisection of a region on which bands fail.
     fn halves(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = super::halve::halve(&self.face.surface, &mut state, label, 0)?;
+        let parts = state.halve(label, 0)?;
         self.parts(state, &parts, budget, depth)
     }
 
     /// The widest acceptable band at the lower end of a region; the components of the rest go on by themselves.
     #[expect(clippy::too_many_lines, reason = "one march with its state")]
     fn band(&self, state: &State, rest: &Rest, lay: &Lay) -> Option<(State, Vec<Rest>)> {
-        let surface = &self.face.surface;
-        let (lo, hi) = range(state, rest.label, lay.field);
+        let (lo, hi) = state.range(rest.label, lay.field);
         let narrowest = lay.theory.map_or((hi - lo) / 60.0, |t| NARROWEST * t);
         let mut width = rest.width;
         let mut accepted: Option<(f64, State, Vec<u32>)> = None;
@@ -223,7 +222,7 @@ impl Job<'_> {
             } else {
                 let fresh = trial.partition.fresh_label();
                 let level = lo + width;
-                trial.cut(surface, rest.label, fresh, |p| level - lay.field.value(p));
+                trial.cut(rest.label, fresh, |p| level - lay.field.value(p));
                 fresh
             };
             let mut others: Vec<u32> = Vec::new();
@@ -239,7 +238,7 @@ impl Job<'_> {
             let mut ok = true;
             let (mut refused, mut misshapen) = (None, false);
             for &b in &bands {
-                let (lo, hi) = range(&trial, b, lay.field);
+                let (lo, hi) = trial.range(b, lay.field);
                 let centre = self.centre(&trial, b, lay.field, 0.5 * (lo + hi));
                 let from = from.as_deref().filter(|_| bands.len() == 1);
                 let t = self.tried(&trial, b, Some(&centre), AttemptOptions { from, ..AttemptOptions::USUAL });
@@ -260,7 +259,7 @@ impl Job<'_> {
             if let [b] = bands[..] {
                 from = trial.panels.get(&b).cloned().or(refused.map(Arc::new)).or(from);
             }
-            let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
+            let share = error / (self.options.tolerance * DISTANCE_SHARE);
             if ok {
                 if whole {
                     return Some((trial, Vec::new()));

@@ -1,9 +1,7 @@
 //! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
 
-use super::halve::{axes, cut_across, range};
-use super::layout::same_side;
-use super::state::Density;
-use super::{Job, State};
+use super::job::Job;
+use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -15,17 +13,19 @@ const TWO_STEPS: usize = 4;
 /// Bands smaller than this share of a neighbour are remainders, worth a fit along the neighbour's centre line.
 const REMAINDER: f64 = 0.15;
 
-/// The same state with the region `label` given to `to`.
-fn joined(state: &State, label: u32, to: u32) -> State {
-    let mut next = state.clone();
-    next.partition.labels.iter_mut().filter(|l| **l == label).for_each(|l| *l = to);
-    next
+impl State {
+    /// The same state with the region `label` given to `to`.
+    fn joined(&self, label: u32, to: u32) -> State {
+        let mut next = self.clone();
+        next.partition.labels.iter_mut().filter(|l| **l == label).for_each(|l| *l = to);
+        next
+    }
 }
 
 impl Job<'_> {
     /// Two panels with a plane cut between them, if that is enough.
     pub(super) fn two(&self, state: &State, label: u32) -> Option<State> {
-        let (mean, axes) = axes(state, label);
+        let (mean, axes) = state.axes_of_region(label);
         for k in 0..TWO_DIRECTIONS {
             let angle = std::f64::consts::PI * k as f64 / TWO_DIRECTIONS as f64;
             let direction = axes[0] * angle.cos() + axes[1] * angle.sin();
@@ -43,7 +43,7 @@ impl Job<'_> {
                 }
                 let at = 0.5 * (lo + hi);
                 let mut trial = state.clone();
-                let Some(parts) = cut_across(&self.face.surface, &mut trial, label, &mean, &direction, at) else {
+                let Some(parts) = trial.cut_across(label, &mean, &direction, at) else {
                     break;
                 };
                 let [low, high] = parts[..] else { break };
@@ -67,9 +67,9 @@ impl Job<'_> {
     /// end of slivers that are too thin to be panels.
     pub(super) fn absorbed(&self, state: &State, label: u32, but: Option<u32>) -> Option<State> {
         self.around(state, label).into_iter().filter(|n| Some(*n) != but).find_map(|n| {
-            let mut trial = joined(state, label, n);
+            let mut trial = state.joined(label, n);
             let fit = state.panels.get(&n)?;
-            let samples = trial.dense_samples(&self.face.surface, n, Density::Usual);
+            let samples = trial.dense_samples(n, Density::Usual);
             let (error, worst) = crate::fit::near::samples::error(&fit.torse, &samples)?;
             let fit = crate::fit::near::samples::Fit { error, worst, ..(**fit).clone() };
             let proven = self.proven(&trial, n, fit, samples).accepted?;
@@ -81,7 +81,7 @@ impl Job<'_> {
     /// A region without a panel and a neighbour covered by one new panel, if that is enough.
     pub(super) fn as_one(&self, state: &State, label: u32) -> Option<State> {
         self.around(state, label).into_iter().find_map(|n| {
-            let mut trial = joined(state, label, n);
+            let mut trial = state.joined(label, n);
             let fit = self.single(&trial, n, None).accepted?;
             trial.panels.insert(n, fit);
             Some(trial)
@@ -91,7 +91,7 @@ impl Job<'_> {
     /// A region without a panel and a neighbour covered by two new panels of equal extent, if that is enough.
     pub(super) fn shared(&self, state: &State, label: u32) -> Option<State> {
         self.around(state, label).into_iter().find_map(|n| {
-            let mut trial = joined(state, label, n);
+            let mut trial = state.joined(label, n);
             trial.panels.remove(&n);
             self.two(&trial, n)
         })
@@ -105,7 +105,7 @@ impl Job<'_> {
             .into_iter()
             .filter(|((a, b), _)| *a == label || *b == label)
             .map(|((a, b), shared)| (shared, if a == label { b } else { a }))
-            .filter(|(_, n)| state.panels.contains_key(n) && same_side(state, &self.options.layout.seams, label, *n))
+            .filter(|(_, n)| state.panels.contains_key(n) && state.same_side(&self.options.layout.seams, label, *n))
             .collect();
         around.sort_unstable_by(|x, y| y.cmp(x));
         around.into_iter().map(|a| a.1).collect()
@@ -118,7 +118,7 @@ impl Job<'_> {
             return None;
         }
         let wide = if state.area(both[0]) > state.area(both[1]) { both[0] } else { both[1] };
-        let (lo, hi) = range(state, wide, f);
+        let (lo, hi) = state.range(wide, f);
         Some(self.centre(joined, both[0], f, 0.5 * (lo + hi)))
     }
 
@@ -132,7 +132,7 @@ impl Job<'_> {
                 .neighbours()
                 .into_iter()
                 .filter(|(p, shared)| *shared >= 2 && !failed.contains(p))
-                .filter(|((a, b), _)| same_side(&state, &self.options.layout.seams, *a, *b))
+                .filter(|((a, b), _)| state.same_side(&self.options.layout.seams, *a, *b))
                 // Panels along curves stay as they were laid.
                 .filter(|((a, b), _)| !state.origins.contains_key(a) && !state.origins.contains_key(b))
                 .filter_map(|((a, b), _)| Some(((a, b), areas.get(&a)? + areas.get(&b)?)))
@@ -143,7 +143,7 @@ impl Job<'_> {
                 if self.control.stopped() {
                     return state;
                 }
-                let mut trial = joined(&state, b, a);
+                let mut trial = state.joined(b, a);
                 let small = areas[&a].min(areas[&b]) < REMAINDER * areas[&a].max(areas[&b]);
                 let line = small.then(|| self.common_line(&state, &trial, [a, b])).flatten();
                 let t = self.single(&trial, a, line.as_deref());

@@ -27,15 +27,14 @@ mod seam_line;
 mod signs;
 mod state;
 mod umbilic;
+mod whole_face;
 
 use crate::brep::face::Face;
 use crate::control::Control;
-use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::fit::near::samples::Fit;
 use crate::fit::strip_potential::{
     straight_bands, strip_potential, strip_potentials, StripPotential, StripPotentialOptions,
 };
-use crate::geom::Vec3;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
@@ -44,14 +43,14 @@ pub use exact::exactly;
 pub(in crate::search) use exact::{exact_regions, exactly_covered};
 pub(crate) use exact::{is_developable, is_smoothly_developable};
 pub use job::CoverOptions;
-pub(crate) use job::{Job, DISTANCE_SHARE};
+pub(crate) use job::Job;
 use layout::DirectionField;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
 pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
-pub(crate) use recount::{recounted, Recount};
+pub(crate) use recount::Recount;
 pub(in crate::search) use seam_line::SeamLine;
 use state::Density;
 pub use state::{Origin, State};
@@ -92,9 +91,6 @@ const SWEEP_DIRECTIONS: usize = 8;
 const FEW_DIRECTIONS: usize = 3;
 /// Two panels are tried when the best single error is below this multiple of the tolerance.
 const TWO_FACTOR: f64 = 8.0;
-/// Curvature (1/mm) that planes count as having: their strips are wider than anything, but not endless.
-const FLATTEST: f64 = 1e-300;
-
 /// A linear function of the parameters, whose levels bound straight bands.
 struct Straight {
     field: Field,
@@ -127,8 +123,8 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     if let Some(state) = exactly_covered(face, options, control) {
         return Ok(Cover { state, complete: true });
     }
-    let mut state = bare(face, options.tolerance)?;
-    layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
+    let mut state = State::bare(face, options.tolerance)?;
+    state.cut_along_seams(&options.layout, options.tolerance);
     let mut job = Job::new(face, options, control);
     let state = match options.layout.curves.as_slice() {
         [] => {
@@ -137,24 +133,7 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
         }
         curves => job.along_curves(state, curves),
     };
-    Ok(Cover { complete: is_complete(&state), state })
-}
-
-/// A face in its connected parts, triangulated finely enough for strips of a tolerance (mm).
-fn bare(face: &Face, tolerance: f64) -> Result<State, TriangulateError> {
-    let mut state = State::of_face(face, f64::INFINITY)?;
-    let strip = typical_strip(&state, tolerance);
-    let finer = State::of_face(face, strip)?;
-    if finer.partition.triangles.len() > state.partition.triangles.len() {
-        state = finer;
-    }
-    state.partition.split_components(0);
-    Ok(state)
-}
-
-/// Whether every region has a torse.
-fn is_complete(state: &State) -> bool {
-    state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l))
+    Ok(Cover { complete: state.is_complete(), state })
 }
 
 /// What is wrong with each curve of a layout on a face.
@@ -168,7 +147,7 @@ pub(crate) fn check_curves(
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
     let state = State::of_face(face, f64::INFINITY)?;
     let control = Control::default();
-    Ok(guided::checked(&Job::new(face, options, &control), &state, curves))
+    Ok(Job::new(face, options, &control).checked(&state, curves))
 }
 
 /// As [`check_curves`], for curves of seams: any curve on a face is of use.
@@ -178,28 +157,10 @@ pub(crate) fn check_seam_curves(
     tolerance: f64,
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
     let state = State::of_face(face, f64::INFINITY)?;
-    Ok(curves.iter().map(|c| curve_on_face::lines(face, &state, c, tolerance).map(drop)).collect())
-}
-
-/// Width (mm) of a strip at the 90 % quantile of curvature (B2).
-fn typical_strip(state: &State, tolerance: f64) -> f64 {
-    let mut k: Vec<f64> = state
-        .forms(0, 400)
-        .iter()
-        .map(|f| f.principal().map(f64::abs).into_iter().fold(0.0, f64::max))
-        .filter(|k| k.is_finite())
-        .collect();
-    k.sort_by(f64::total_cmp);
-    let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
-    4.0 * (tolerance / high.max(FLATTEST)).sqrt()
+    Ok(curves.iter().map(|c| state.lines_of(c, tolerance).map(drop)).collect())
 }
 
 impl<'a> Job<'a> {
-    /// Number of finished panels, for comparing covers.
-    fn count(state: &State) -> usize {
-        state.panels.len()
-    }
-
     /// Covers all regions that have no torse yet; strips that have a direction field run along it, or in rings.
     fn covered(&mut self, mut state: State, directions: &DirectionField<'a>) -> State {
         for label in state.partition.distinct_labels() {
@@ -207,7 +168,7 @@ impl<'a> Job<'a> {
                 continue;
             }
             let around = match self.options.layout.kind {
-                LayoutKind::Rings => directed_bands::rings(self, &mut state, label),
+                LayoutKind::Rings => self.rings(&mut state, label),
                 LayoutKind::Auto | LayoutKind::Strips => None,
             };
             let (directions, parts) = match around {
@@ -216,7 +177,7 @@ impl<'a> Job<'a> {
             };
             self.directions = directions;
             for part in parts {
-                let left = self.options.max_panels.saturating_sub(Self::count(&state));
+                let left = self.options.max_panels.saturating_sub(state.panels.len());
                 if let Some(next) = self.region(state.clone(), part, left, 0) {
                     state = next;
                 }
@@ -234,7 +195,7 @@ impl<'a> Job<'a> {
         if self.control.stopped() {
             return Some(state);
         }
-        let before = Self::count(&state);
+        let before = state.panels.len();
         let trial = self.single(&state, label, None);
         if let Some(fit) = trial.accepted {
             let mut state = state;
@@ -259,7 +220,7 @@ impl<'a> Job<'a> {
         let top = depth == 0;
         let keep = |next: State, best: &mut Option<State>, limit: &mut usize| {
             let next = if top { self.merged(next) } else { next };
-            let n = Self::count(&next).saturating_sub(before);
+            let n = next.panels.len().saturating_sub(before);
             // A candidate cut short by the clock has few panels because it is unfinished.
             if n <= *limit && !(best.is_some() && self.control.stopped()) {
                 *limit = n.saturating_sub(1);
@@ -282,7 +243,7 @@ impl<'a> Job<'a> {
         if top {
             let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
             if let Some((next, spare)) = self.equidistribute_straight(&state, label, &straight, curved, limit) {
-                swept = full(Self::count(&next).saturating_sub(before), spare);
+                swept = full(next.panels.len().saturating_sub(before), spare);
                 keep(next, &mut best, &mut limit);
             } else if straight.first().is_some_and(|s| s.promised < curved.min(SWEEP_COUNT)) {
                 marched = FEW_DIRECTIONS.min(straight.len());
@@ -296,7 +257,7 @@ impl<'a> Job<'a> {
         let worth_it = |l: &StripPotential| best.is_none() || l.merit / four <= most;
         let tried: Vec<&StripPotential> = good.iter().copied().filter(|l| worth_it(l)).collect();
         for (i, l) in tried.into_iter().enumerate() {
-            let near = |b: &State| near_theory((Self::count(b) - before) as f64);
+            let near = |b: &State| near_theory((b.panels.len() - before) as f64);
             if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
             }
@@ -304,7 +265,7 @@ impl<'a> Job<'a> {
                 if top { self.equidistribute(&state, label, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
             let mut enough = false;
             if let Some((next, spare)) = even {
-                enough = full(Self::count(&next).saturating_sub(before), spare);
+                enough = full(next.panels.len().saturating_sub(before), spare);
                 keep(next, &mut best, &mut limit);
             }
             if enough || limit == 0 {
@@ -315,13 +276,13 @@ impl<'a> Job<'a> {
             }
         }
         // Around a flat point of saddles no strip potential is good, even if samples do not tell.
-        let stars = if fewest { umbilic::stars(&self.face.surface, &state, label) } else { Vec::new() };
+        let stars = if fewest { state.stars(label) } else { Vec::new() };
         if limit > 0 && (good.is_empty() || !stars.is_empty()) {
             if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
                 keep(next, &mut best, &mut limit);
             }
         }
-        let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
+        let reached = best.as_ref().map_or(predicted, |b| (b.panels.len() - before) as f64);
         let near = near_theory(reached);
         if marched < straight.len() && limit > 0 && !(swept && (near || reached > SWEEP_COUNT)) {
             // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth it.
@@ -435,7 +396,7 @@ impl<'a> Job<'a> {
     /// Straight bands marched in those of several directions that promise fewer than `most`; the fewest win (C5b).
     fn sweep(&self, state: &State, label: u32, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
-        let before = Self::count(state);
+        let before = state.panels.len();
         directions
             .par_iter()
             .enumerate()
@@ -444,7 +405,7 @@ impl<'a> Job<'a> {
             .filter_map(|(rank, s)| {
                 let most = s.most_swept();
                 let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank, most })?;
-                let n = Self::count(&next) - before;
+                let n = next.panels.len() - before;
                 incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
                 Some((n, rank, next))
             })
@@ -461,15 +422,14 @@ impl<'a> Job<'a> {
                 StripPotentialOptions { rounds: 3, control: self.control.clone(), ..StripPotentialOptions::default() };
             strip_potential(&s.forms(l, 160), &s.places(l), &options)
         };
-        let surface = &self.face.surface;
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
             .into_par_iter()
             .filter_map(|k| {
                 let mut s = state.clone();
                 let parts = match k {
                     0 => self.cut_by_sign(&mut s, label)?,
-                    1..4 => halve::halve(surface, &mut s, label, k - 1)?,
-                    _ => stars[k - 4].cut(surface, &mut s, label)?,
+                    1..4 => s.halve(label, k - 1)?,
+                    _ => stars[k - 4].cut(&mut s, label)?,
                 };
                 let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
                 Some((merit, s, parts))
@@ -484,9 +444,9 @@ impl<'a> Job<'a> {
 
     /// Covers several regions one after the other within a common budget.
     fn parts(&self, mut state: State, parts: &[u32], budget: usize, depth: usize) -> Option<State> {
-        let before = Self::count(&state);
+        let before = state.panels.len();
         for (i, &p) in parts.iter().enumerate() {
-            let used = Self::count(&state) - before;
+            let used = state.panels.len() - before;
             let rest = parts.len() - 1 - i;
             state = self.region(state, p, budget.checked_sub(used + rest)?, depth + 1)?;
         }
@@ -495,23 +455,8 @@ impl<'a> Job<'a> {
 
     /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
     fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = halve::halve(&self.face.surface, &mut state, label, 0)?;
+        let parts = state.halve(label, 0)?;
         self.parts(state, &parts, budget, depth)
-    }
-}
-
-/// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer. The
-/// fits are as good as `control` leaves time for.
-pub fn fill(state: &mut State, control: &Control) {
-    for label in state.partition.distinct_labels() {
-        if !state.panels.contains_key(&label) {
-            let samples = state.samples(label);
-            let options = PrimalOptions { control: control.clone(), ..PrimalOptions::new(0.0) };
-            let fit = primal(&samples, &options).or_else(|| crate::fit::near::plane::plane(&samples));
-            if let Some(fit) = fit {
-                state.panels.insert(label, std::sync::Arc::new(fit));
-            }
-        }
     }
 }
 
@@ -534,115 +479,40 @@ pub(crate) fn strip_range(face: &Face) -> Option<f64> {
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
-/// Cuts panels into equal parts: `[along, across]` of each label; all parts keep the torse, which is good for each of
-/// them. A panel that a cut does not separate stays as it is.
-pub(crate) fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])]) -> State {
-    let mut state = state.clone();
-    for &(label, parts) in large {
-        let mut trial = state.clone();
-        let Some(fit) = trial.panels.remove(&label) else { continue };
-        let axis = usize::from(parts[0] < 2);
-        if let Some(cut) = halve::divide(&face.surface, &mut trial, label, axis, parts[axis]) {
-            trial.panels.extend(cut.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
-            state = trial;
-        }
+impl Job<'_> {
+    /// A torse that is proven on a region, from those that were tried on about the same, else without.
+    pub(crate) fn laid_anew<'a>(
+        &self,
+        state: &State,
+        label: u32,
+        from: impl Iterator<Item = &'a Arc<Fit>>,
+    ) -> Option<Arc<Fit>> {
+        let samples = state.dense_samples(label, Density::Band);
+        let mut tried = from.map(|fit| self.proven(state, label, (**fit).clone(), samples.clone()));
+        tried.find_map(|t| t.accepted).or_else(|| self.single(state, label, None).accepted)
     }
-    state
-}
 
-/// The same regions cut where functions of the parameters are zero; parts keep the torses of what is covered.
-pub(crate) fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64]) -> State {
-    let mut state = state.clone();
-    for height in heights {
-        for label in state.partition.distinct_labels() {
-            let mut trial = state.clone();
-            let fit = trial.panels.remove(&label);
-            if let Some(cut) = halve::parted(&face.surface, &mut trial, label, height) {
-                let fits = cut.into_iter().filter_map(|p| Some((p, Arc::clone(fit.as_ref()?))));
-                trial.panels.extend(fits);
-                state = trial;
+    /// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
+    /// by two.
+    /// `None` where neither can be proven.
+    pub(crate) fn without_sliver(&self, state: &State, label: u32) -> Option<State> {
+        let mut bare = state.clone();
+        bare.panels.remove(&label);
+        self.absorbed(&bare, label, None).or_else(|| self.as_one(&bare, label)).or_else(|| self.shared(&bare, label))
+    }
+
+    /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
+    /// anew.
+    pub(crate) fn cut_refused(&self, state: &State, refused: &[u32]) -> Option<State> {
+        let mut state = state.clone();
+        for &label in refused {
+            state.panels.remove(&label);
+            if let Some(next) = self.absorbed(&state, label, None) {
+                state = next;
+                continue;
             }
+            state = self.bisect(state, label, usize::MAX, 0)?;
         }
+        Some(state)
     }
-    state
-}
-
-/// Principal axes of a face's vertices, longest first.
-pub fn axes(state: &State) -> [Vec3; 3] {
-    halve::axes_of(&state.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
-}
-
-/// How far a face's vertices reach along an axis, mm.
-pub fn reach(state: &State, axis: &Vec3) -> [f64; 2] {
-    let along = state.jets.iter().map(|j| axis.dot(&j.jet.p));
-    along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
-}
-
-/// A torse that is proven on a region, from those that were tried on about the same, else without.
-pub(crate) fn laid_anew<'a>(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    (state, label): (&State, u32),
-    from: impl Iterator<Item = &'a Arc<Fit>>,
-) -> Option<Arc<Fit>> {
-    let job = Job::new(face, options, control);
-    let samples = state.dense_samples(&face.surface, label, Density::Band);
-    let mut tried = from.map(|fit| job.proven(state, label, (**fit).clone(), samples.clone()));
-    tried.find_map(|t| t.accepted).or_else(|| job.single(state, label, None).accepted)
-}
-
-/// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
-/// by two.
-/// `None` where neither can be proven.
-pub(crate) fn without_sliver(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    label: u32,
-) -> Option<State> {
-    let job = Job::new(face, options, control);
-    let mut bare = state.clone();
-    bare.panels.remove(&label);
-    job.absorbed(&bare, label, None).or_else(|| job.as_one(&bare, label)).or_else(|| job.shared(&bare, label))
-}
-
-/// Whether a part of a panel that is narrower than `width` (mm) reaches far beyond the rest.
-pub(crate) fn has_prong(state: &State, (label, width): (u32, f64)) -> bool {
-    prong::Prong::of(state, label, width).is_some()
-}
-
-/// A panel whose longest part narrower than `width` (mm) is given to a neighbour, if it reaches far beyond the rest. `None` if
-/// there is no such part, or no neighbour is proven to be good for it.
-pub(crate) fn without_prong(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    (label, width): (u32, f64),
-) -> Option<State> {
-    Job::new(face, options, control).without_prong(state, label, width)
-}
-
-/// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
-/// anew.
-pub(crate) fn cut_refused(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    refused: &[u32],
-) -> Option<State> {
-    let job = Job::new(face, options, control);
-    let mut state = state.clone();
-    for &label in refused {
-        state.panels.remove(&label);
-        if let Some(next) = job.absorbed(&state, label, None) {
-            state = next;
-            continue;
-        }
-        state = job.bisect(state, label, usize::MAX, 0)?;
-    }
-    Some(state)
 }

@@ -1,10 +1,11 @@
 //! Prongs: narrow parts that reach far beyond the rest of a region. They bend where they should not when a panel is handled,
 //! and are given to a neighbour where that can be proven.
 
-use super::{halve, Job, State};
+use super::job::Job;
+use super::state::State;
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
-use crate::spline::surface::Surface;
+use std::sync::Arc;
 
 /// How far, in widths, a narrow part reaches beyond the rest to be a prong: ends of wedges of more than about 10° are none.
 const LONG: f64 = 6.0;
@@ -44,10 +45,11 @@ impl Prong {
     }
 
     /// Cuts it off beside its root; its label. `None` if that separates nothing.
-    fn cut_off(&self, surface: &Surface, state: &mut State, label: u32, width: f64) -> Option<u32> {
+    fn cut_off(&self, state: &mut State, label: u32, width: f64) -> Option<u32> {
         let axis = (self.tip - self.root).normalize();
+        let surface = Arc::clone(&state.surface);
         let height = |p: [f64; 2]| axis.dot(&(surface.point(p[0], p[1]) - self.root)) - 0.5 * width;
-        let parts = halve::parted(surface, state, label, height)?;
+        let parts = state.parted(label, height)?;
         let far = |t: usize| {
             let middle = state.partition.triangles[t].iter().map(|v| state.jets[*v as usize].jet.p).sum::<Vec3>() / 3.0;
             (middle - self.tip).norm()
@@ -75,13 +77,20 @@ fn squared_distance(x: &Vec3, [a, b]: &[Vec3; 2]) -> f64 {
     (x - a - along * share).norm_squared()
 }
 
+impl State {
+    /// Whether a part of a panel that is narrower than `width` (mm) reaches far beyond the rest.
+    pub(crate) fn has_prong(&self, label: u32, width: f64) -> bool {
+        Prong::of(self, label, width).is_some()
+    }
+}
+
 impl Job<'_> {
     /// The longest prong of a panel given to a neighbour whose torse is good for it. `None` if there is no prong, or none can
     /// have it.
-    pub(super) fn without_prong(&self, state: &State, label: u32, width: f64) -> Option<State> {
+    pub(crate) fn without_prong(&self, state: &State, label: u32, width: f64) -> Option<State> {
         let prong = Prong::of(state, label, width)?;
         let mut cut = state.clone();
-        let part = prong.cut_off(&self.face.surface, &mut cut, label, width)?;
+        let part = prong.cut_off(&mut cut, label, width)?;
         self.absorbed(&cut, part, Some(label))
     }
 }
@@ -93,26 +102,26 @@ mod tests {
     use crate::spline::knots::Knots;
 
     /// A square of 1 m in cells of 20 mm, a region of which reaches with `height` (mm) along one side below another region.
-    fn state(height: f64) -> (Surface, State) {
+    fn state(height: f64) -> State {
         let line = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
         let corner = |x: f64, y: f64| Vec3::new(1000.0 * x, 1000.0 * y, 0.0);
         let corners = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)];
-        let surface = Surface::new(line.clone(), line, &corners, None).expect("a surface");
+        let surface = crate::spline::surface::Surface::new(line.clone(), line, &corners, None).expect("a surface");
         let lines: Vec<f64> = (0..=50).map(|k| f64::from(k) / 50.0).collect();
-        let face = Face::untrimmed(surface.clone());
+        let face = Face::untrimmed(surface);
         let mut state = State::on_lines(&face, lines.clone(), lines).expect("a state");
-        state.cut(&surface, 0, 1, |p| p[0] - 0.4);
-        state.cut(&surface, 1, 2, |p| 0.001 * height - p[1]);
+        state.cut(0, 1, |p| p[0] - 0.4);
+        state.cut(1, 2, |p| 0.001 * height - p[1]);
         state.partition.labels.iter_mut().filter(|l| **l == 2).for_each(|l| *l = 0);
-        (surface, state)
+        state
     }
 
     #[test]
     fn a_finger_is_cut_off_where_it_leaves_the_panel() {
-        let (surface, mut state) = state(40.0);
+        let mut state = state(40.0);
         let prong = Prong::of(&state, 0, 60.0).expect("a prong");
         assert!((prong.tip.x - 1000.0).abs() < 20.0 && prong.tip.y < 40.0 && prong.root.x < 400.0, "{}", prong.tip);
-        let part = prong.cut_off(&surface, &mut state, 0, 60.0).expect("a part");
+        let part = prong.cut_off(&mut state, 0, 60.0).expect("a part");
         let (own, rest) = (state.area(part), state.area(0));
         assert!((own - 600.0 * 40.0).abs() < 0.1 * own, "{own}");
         assert!((own + rest - 400.0 * 1000.0 - 600.0 * 40.0).abs() < 1e-6);
@@ -122,9 +131,9 @@ mod tests {
 
     #[test]
     fn broad_parts_and_whole_slivers_are_no_prongs() {
-        assert!(Prong::of(&state(120.0).1, 0, 60.0).is_none());
-        let (surface, mut sliver) = state(40.0);
-        sliver.cut(&surface, 0, 3, |p| p[0] - 0.4);
+        assert!(Prong::of(&state(120.0), 0, 60.0).is_none());
+        let mut sliver = state(40.0);
+        sliver.cut(0, 3, |p| p[0] - 0.4);
         assert!(Prong::of(&sliver, 3, 60.0).is_none());
     }
 }

@@ -1,8 +1,8 @@
 //! One region, one torse: propose, judge, refine. A torse is accepted only by the certificate; where that refuses,
 //! its witness becomes a sample of the next fit, for bands laid all at once with all peaks between the samples so far.
 
-use super::state::Density;
-use super::{Job, State, DISTANCE_SHARE};
+use super::job::{Job, DISTANCE_SHARE};
+use super::state::{Density, State};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::{Obstruction, Verdict};
 use crate::fit::near::centre_line::{has_inflection, spans_along};
@@ -116,13 +116,7 @@ impl Job<'_> {
 
     /// The proof of what was proposed.
     pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Attempt {
-        self.peaks_proven(
-            state,
-            label,
-            fit.clone(),
-            state.dense_samples(&self.face.surface, label, Density::Band),
-            true,
-        )
+        self.peaks_proven(state, label, fit.clone(), state.dense_samples(label, Density::Band), true)
     }
 
     /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
@@ -138,7 +132,7 @@ impl Job<'_> {
             return Attempt::failed(f64::INFINITY);
         }
         self.control.attempt();
-        let samples = state.dense_samples(&self.face.surface, label, how.density);
+        let samples = state.dense_samples(label, how.density);
         let control = || self.control.clone();
         let proven = |fit: Fit| {
             if how.prove {
@@ -269,7 +263,7 @@ impl Job<'_> {
                     let j = self.face.surface.jet(uv[0], uv[1]);
                     let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
                     if peaks && round == 0 {
-                        let finer = state.dense_samples(&self.face.surface, label, Density::Peaks);
+                        let finer = state.dense_samples(label, Density::Peaks);
                         samples.extend(beyond(&fit.torse, finer, fit.error.max(PEAK * allowed)));
                     }
                     let n = j.normal();

@@ -5,10 +5,9 @@
 //! uneven: where little is missing, one band less will do.
 
 use super::equidistribute::Rise;
-use super::halve::range;
-use super::{bare, CoverOptions, Job, State, DISTANCE_SHARE};
+use super::job::{CoverOptions, Job, DISTANCE_SHARE};
+use super::state::State;
 use crate::brep::face::Face;
-use crate::control::Control;
 use crate::fit::strip_potential::Forms;
 use crate::spline::field::Field;
 use std::sync::Arc;
@@ -52,75 +51,83 @@ impl Chain {
     }
 }
 
-/// The cover with one band less or more among those of one function. `None` where none of the functions promises that, or where
-/// the panels do not become fewer, or more than by one in ten.
-pub(crate) fn recounted(
-    face: &Face,
-    options: &CoverOptions,
-    control: &Control,
-    state: &State,
-    recount: Recount,
-) -> Option<State> {
-    let chains = chains(state, options.tolerance * DISTANCE_SHARE);
-    let count = |c: &Chain| match recount {
-        Recount::Less => c.count - 1,
-        Recount::More => c.count + 1,
-    };
-    let promised = |c: &Chain| c.promised(count(c));
-    let most = if has_one_sign(state) { LOOSE_BY_THEORY } else { LOOSE };
-    let chain = match recount {
-        Recount::Less => {
-            let promising = chains.iter().filter(|c| (3..=MANY).contains(&c.count) && promised(c) <= most);
-            promising.min_by(|a, b| promised(a).total_cmp(&promised(b)))
-        }
-        Recount::More => chains.iter().max_by(|a, b| a.promised(a.count).total_cmp(&b.promised(b.count))),
-    }?;
-    let options = CoverOptions { tolerance: ACCEPTED * options.tolerance * promised(chain), ..options.clone() };
-    let job = Job::new(face, &options, control);
-    let (bare, whole) = without(face, state, chain, options.tolerance)?;
-    let next = job.roughly_laid(&bare, whole, &chain.field, &chain.rise.levels(count(chain)))?;
-    let (before, now) = (state.panels.len(), next.panels.len());
-    let is_wanted = match recount {
-        Recount::Less => now < before,
-        Recount::More => now <= before + before.div_ceil(10),
-    };
-    (is_wanted && !control.stopped()).then_some(next)
-}
-
-/// The state with the bands of one function as one region, and its label. Where there is nothing else the face is triangulated
-/// anew: triangles beside borders that are gone would be thin.
-fn without(face: &Face, state: &State, chain: &Chain, tolerance: f64) -> Option<(State, u32)> {
-    if chain.labels.len() == state.panels.len() {
-        return Some((bare(face, tolerance).ok()?, 0));
-    }
-    let mut out = state.clone();
-    let whole = chain.labels[0];
-    for label in &chain.labels {
-        out.panels.remove(label);
-        out.bands.remove(label);
-    }
-    out.partition.labels.iter_mut().filter(|l| chain.labels.contains(l)).for_each(|l| *l = whole);
-    Some((out, whole))
-}
-
-/// Functions of which a cover has several bands, in the order of their first labels.
-fn chains(state: &State, allowed: f64) -> Vec<Chain> {
-    let mut groups: Vec<(Arc<Field>, Vec<u32>)> = Vec::new();
-    for (label, field) in state.bands.iter().filter(|b| state.panels.contains_key(b.0)) {
-        match groups.iter_mut().find(|g| Arc::ptr_eq(&g.0, field)) {
-            Some(group) => group.1.push(*label),
-            None => groups.push((Arc::clone(field), vec![*label])),
-        }
-    }
-    let chain = |(field, labels): (Arc<Field>, Vec<u32>)| {
-        let band = |l: &u32| {
-            let (lo, hi) = range(state, *l, &field);
-            [lo, hi, state.panels[l].error / allowed]
+impl Job<'_> {
+    /// The cover with one band less or more among those of one function. `None` where none of the functions promises that, or where
+    /// the panels do not become fewer, or more than by one in ten.
+    pub(crate) fn recounted(&self, state: &State, recount: Recount) -> Option<State> {
+        let (face, options, control) = (self.face, &self.options, self.control);
+        let chains = state.chains(options.tolerance * DISTANCE_SHARE);
+        let count = |c: &Chain| match recount {
+            Recount::Less => c.count - 1,
+            Recount::More => c.count + 1,
         };
-        let bands: Vec<[f64; 3]> = labels.iter().map(band).collect();
-        Chain { rise: Rise::of_bands(&bands), count: in_sequence(bands), field, labels }
-    };
-    groups.into_iter().filter(|g| g.1.len() > 1).map(chain).collect()
+        let promised = |c: &Chain| c.promised(count(c));
+        let most = if state.has_one_sign() { LOOSE_BY_THEORY } else { LOOSE };
+        let chain = match recount {
+            Recount::Less => {
+                let promising = chains.iter().filter(|c| (3..=MANY).contains(&c.count) && promised(c) <= most);
+                promising.min_by(|a, b| promised(a).total_cmp(&promised(b)))
+            }
+            Recount::More => chains.iter().max_by(|a, b| a.promised(a.count).total_cmp(&b.promised(b.count))),
+        }?;
+        let options = CoverOptions { tolerance: ACCEPTED * options.tolerance * promised(chain), ..options.clone() };
+        let job = Job::new(face, &options, control);
+        let (bare, whole) = state.without(face, chain, options.tolerance)?;
+        let next = job.roughly_laid(&bare, whole, &chain.field, &chain.rise.levels(count(chain)))?;
+        let (before, now) = (state.panels.len(), next.panels.len());
+        let is_wanted = match recount {
+            Recount::Less => now < before,
+            Recount::More => now <= before + before.div_ceil(10),
+        };
+        (is_wanted && !control.stopped()).then_some(next)
+    }
+}
+
+impl State {
+    /// The state with the bands of one function as one region, and its label. Where there is nothing else the face is triangulated
+    /// anew: triangles beside borders that are gone would be thin.
+    fn without(&self, face: &Face, chain: &Chain, tolerance: f64) -> Option<(State, u32)> {
+        if chain.labels.len() == self.panels.len() {
+            return Some((State::bare(face, tolerance).ok()?, 0));
+        }
+        let mut out = self.clone();
+        let whole = chain.labels[0];
+        for label in &chain.labels {
+            out.panels.remove(label);
+            out.bands.remove(label);
+        }
+        out.partition.labels.iter_mut().filter(|l| chain.labels.contains(l)).for_each(|l| *l = whole);
+        Some((out, whole))
+    }
+
+    /// Functions of which a cover has several bands, in the order of their first labels.
+    fn chains(&self, allowed: f64) -> Vec<Chain> {
+        let mut groups: Vec<(Arc<Field>, Vec<u32>)> = Vec::new();
+        for (label, field) in self.bands.iter().filter(|b| self.panels.contains_key(b.0)) {
+            match groups.iter_mut().find(|g| Arc::ptr_eq(&g.0, field)) {
+                Some(group) => group.1.push(*label),
+                None => groups.push((Arc::clone(field), vec![*label])),
+            }
+        }
+        let chain = |(field, labels): (Arc<Field>, Vec<u32>)| {
+            let band = |l: &u32| {
+                let (lo, hi) = self.range(*l, &field);
+                [lo, hi, self.panels[l].error / allowed]
+            };
+            let bands: Vec<[f64; 3]> = labels.iter().map(band).collect();
+            Chain { rise: Rise::of_bands(&bands), count: in_sequence(bands), field, labels }
+        };
+        groups.into_iter().filter(|g| g.1.len() > 1).map(chain).collect()
+    }
+
+    /// Whether a face is curved with one sign wherever it was looked at.
+    fn has_one_sign(&self) -> bool {
+        let labels = self.partition.distinct_labels();
+        let each = SAMPLES / labels.len().max(1) + 1;
+        let sign = |f: &Forms| f.principal().iter().map(|k| k.signum()).product::<f64>();
+        let signs: Vec<f64> = labels.iter().flat_map(|l| self.forms(*l, each)).map(|f| sign(&f)).collect();
+        signs.windows(2).all(|w| w[0] == w[1])
+    }
 }
 
 /// How many bands `[lo, hi, …]` follow each other.
@@ -136,15 +143,6 @@ fn in_sequence(mut bands: Vec<[f64; 3]>) -> usize {
         }
     }
     count
-}
-
-/// Whether a face is curved with one sign wherever it was looked at.
-fn has_one_sign(state: &State) -> bool {
-    let labels = state.partition.distinct_labels();
-    let each = SAMPLES / labels.len().max(1) + 1;
-    let sign = |f: &Forms| f.principal().iter().map(|k| k.signum()).product::<f64>();
-    let signs: Vec<f64> = labels.iter().flat_map(|l| state.forms(*l, each)).map(|f| sign(&f)).collect();
-    signs.windows(2).all(|w| w[0] == w[1])
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! Hills force one sign, valleys the other, saddles may take either; all costs are lengths in the metric |II|, so
 //! the labelling does not depend on the tolerance.
 
-use super::{Job, State};
+use super::job::Job;
+use super::state::State;
 use crate::num::max_flow::LabelGraph;
 use crate::patchwork::partition::edges;
 use crate::spline::field::Field;
@@ -83,7 +84,7 @@ impl Job<'_> {
             .collect();
         let field = smooth(state.partition.bounds(label), &places)?;
         let fresh = state.partition.fresh_label();
-        state.cut(&self.face.surface, label, fresh, |p| field.value(p));
+        state.cut(label, fresh, |p| field.value(p));
         let mut parts = state.partition.split_components(label);
         parts.extend(state.partition.split_components(fresh));
         parts.retain(|p| state.partition.labels.contains(p));

@@ -43,9 +43,11 @@ pub enum Density {
     Peaks,
 }
 
-/// A face in the making.
+/// A face in the making: its surface, its regions and the torses found for them.
 #[derive(Clone, Debug)]
 pub struct State {
+    /// The surface of the face.
+    pub surface: Arc<Surface>,
     /// Regions.
     pub partition: Partition,
     /// Surface at the partition's vertices.
@@ -105,6 +107,7 @@ impl State {
             face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
         let partition = triangulate(&loops, &lines_u, &lines_v)?;
         let mut state = Self {
+            surface: Arc::new(s.clone()),
             partition,
             jets: Vec::new(),
             panels: BTreeMap::new(),
@@ -113,7 +116,7 @@ impl State {
             seam_lines: Arc::default(),
             touched: false,
         };
-        state.update(s);
+        state.update();
         Ok(state)
     }
 
@@ -125,18 +128,18 @@ impl State {
     }
 
     /// Evaluates the surface at new vertices.
-    pub fn update(&mut self, surface: &Surface) {
+    pub fn update(&mut self) {
         for v in self.jets.len()..self.partition.vertices.len() {
             let [u, w] = self.partition.vertices[v];
-            let jet = surface.jet(u, w);
+            let jet = self.surface.jet(u, w);
             self.jets.push(VertexJet { jet, normal: unit_normal(&jet) });
         }
     }
 
     /// Cuts a label; see [`Partition::cut`].
-    pub fn cut(&mut self, surface: &Surface, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
+    pub fn cut(&mut self, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
         self.partition.cut(label, positive, value);
-        self.update(surface);
+        self.update();
     }
 
     /// Area of triangles in space by their corners, mm².
@@ -175,7 +178,7 @@ impl State {
 
     /// As [`State::samples`], with further samples (of no weight) inside the triangles of thin regions, which have few
     /// vertices across, and of small ones.
-    pub fn dense_samples(&self, surface: &Surface, label: u32, density: Density) -> Vec<Sample> {
+    pub fn dense_samples(&self, label: u32, density: Density) -> Vec<Sample> {
         let (across, finer) = match density {
             Density::Usual => (2, 1),
             Density::Band => (3, 1),
@@ -192,7 +195,7 @@ impl State {
         let enough = (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST);
         let parts = if thin { enough.max(across) } else { enough } * finer;
         let mut add = |u: f64, v: f64| {
-            let jet = surface.jet(u, v);
+            let jet = self.surface.jet(u, v);
             out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
         };
         let mut sides: Vec<(u32, u32)> = region

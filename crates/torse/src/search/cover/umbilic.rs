@@ -41,7 +41,7 @@ impl Star {
     }
 
     /// Cuts a region into its three sectors; labels of all parts. `None` where fewer than three are left.
-    pub(super) fn cut(&self, surface: &Surface, state: &mut State, label: u32) -> Option<Vec<u32>> {
+    pub(super) fn cut(&self, state: &mut State, label: u32) -> Option<Vec<u32>> {
         let mut parts = Vec::new();
         for k in 0..2 {
             let [a, b] = [self.angles[k], self.angles[k + 1]].map(|t| [t.cos(), t.sin()]);
@@ -50,7 +50,7 @@ impl Star {
                 (a[0] * q[1] - a[1] * q[0]).min(q[0] * b[1] - q[1] * b[0])
             };
             let fresh = state.partition.fresh_label();
-            state.cut(surface, label, fresh, inside);
+            state.cut(label, fresh, inside);
             parts.extend(state.partition.split_components(fresh));
         }
         parts.extend(state.partition.split_components(label));
@@ -59,27 +59,29 @@ impl Star {
     }
 }
 
-/// The cuts of both kinds through the flattest point of a region, if directions around it turn as around a monkey
-/// saddle.
-pub(super) fn stars(surface: &Surface, state: &State, label: u32) -> Vec<Star> {
-    let bend = |k: [f64; 2]| k[0].abs().max(k[1].abs());
-    let mut flat: Vec<(f64, [f64; 2])> =
-        state.forms(label, TRIED).iter().map(|f| (bend(f.principal()), f.uv)).filter(|f| f.0.is_finite()).collect();
-    flat.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (Some(least), Some(high)) = (flat.first(), flat.get(flat.len() * 9 / 10)) else { return Vec::new() };
-    if least.0 > FLAT * high.0 {
-        return Vec::new();
-    }
-    let size = state.bbox(label).diagonal();
-    let centre = flattest(surface, least.1, size);
-    let Some((saddle, circle)) = around(surface, centre, RADIUS * size) else { return Vec::new() };
-    // A flat point at the border, as cuts leave it, is in nobody's way.
-    let triangles = state.triangles(label);
-    let inside = |p: &[f64; 2]| triangles.iter().any(|t| contains(t, p));
-    if circle.iter().step_by(PLACES / 12).all(inside) {
-        saddle
-    } else {
-        Vec::new()
+impl State {
+    /// The cuts of both kinds through the flattest point of a region, if directions around it turn as around a monkey
+    /// saddle.
+    pub(super) fn stars(&self, label: u32) -> Vec<Star> {
+        let bend = |k: [f64; 2]| k[0].abs().max(k[1].abs());
+        let mut flat: Vec<(f64, [f64; 2])> =
+            self.forms(label, TRIED).iter().map(|f| (bend(f.principal()), f.uv)).filter(|f| f.0.is_finite()).collect();
+        flat.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (Some(least), Some(high)) = (flat.first(), flat.get(flat.len() * 9 / 10)) else { return Vec::new() };
+        if least.0 > FLAT * high.0 {
+            return Vec::new();
+        }
+        let size = self.bbox(label).diagonal();
+        let centre = flattest(&self.surface, least.1, size);
+        let Some((saddle, circle)) = around(&self.surface, centre, RADIUS * size) else { return Vec::new() };
+        // A flat point at the border, as cuts leave it, is in nobody's way.
+        let triangles = self.triangles(label);
+        let inside = |p: &[f64; 2]| triangles.iter().any(|t| contains(t, p));
+        if circle.iter().step_by(PLACES / 12).all(inside) {
+            saddle
+        } else {
+            Vec::new()
+        }
     }
 }
 
@@ -214,7 +216,7 @@ mod tests {
     fn a_monkey_saddle_has_three_cuts_of_either_kind() {
         let face = graph(|x, y| 0.05 * (cube(x) - 3.0 * x * square(y)));
         let mut state = State::of_face(&face, f64::INFINITY).expect("a state");
-        let found = stars(&face.surface, &state, 0);
+        let found = state.stars(0);
         // z = r³ cos 3θ: lines of curvature leave the middle where 3θ is a multiple of π.
         let degrees: Vec<[f64; 3]> = found.iter().map(|s| s.angles.map(f64::to_degrees)).collect();
         assert_eq!(degrees.len(), 2);
@@ -225,13 +227,13 @@ mod tests {
         }
         assert!(found[0].centre.iter().all(|x| x.abs() < 1e-6), "{:?}", found[0].centre);
         let before = state.area(0);
-        let parts = found[1].cut(&face.surface, &mut state, 0).expect("parts");
+        let parts = found[1].cut(&mut state, 0).expect("parts");
         assert_eq!(parts.len(), 3);
         let areas: Vec<f64> = parts.iter().map(|&p| state.area(p)).collect();
         assert!((areas.iter().sum::<f64>() - before).abs() < 1e-3 * before);
         assert!(areas.iter().all(|a| *a > 0.25 * before), "{areas:?}");
         // Each part has the flat point at its border.
-        assert!(parts.iter().all(|&p| stars(&face.surface, &state, p).is_empty()));
+        assert!(parts.iter().all(|&p| state.stars(p).is_empty()));
     }
 
     #[test]
@@ -246,7 +248,7 @@ mod tests {
         for (i, f) in shapes.into_iter().enumerate() {
             let face = graph(f);
             let state = State::of_face(&face, f64::INFINITY).expect("a state");
-            assert_eq!(stars(&face.surface, &state, 0), [], "{i}");
+            assert_eq!(state.stars(0), [], "{i}");
         }
     }
 }

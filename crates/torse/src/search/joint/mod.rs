@@ -9,6 +9,7 @@
 //! found anew. Since heights are compared and nothing is intersected, seams at which strips hardly cross are like all
 //! others. Edges come last: points in which both strips intersect, or lie between them where they hardly do.
 
+mod asked;
 mod columns;
 mod edge;
 mod envelope;
@@ -32,6 +33,7 @@ use crate::geom::Vec3;
 use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use crate::torse::form::Torse;
+pub(crate) use asked::{Asked, BorderCounts};
 use edge::{Edge, Junction};
 use fleet::Fleet;
 pub(crate) use fleet::Meeting;
@@ -39,7 +41,6 @@ use line::Line;
 pub(crate) use network::Further;
 use network::Network;
 pub(crate) use start::whole_borders;
-use std::collections::BTreeSet;
 
 /// Largest distance of an edge from its strips, as a share of its length: wanted, allowed.
 const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
@@ -56,28 +57,6 @@ const LEFT: (usize, usize) = (3, 16);
 /// Share of their least regularity that strips which are to meet those of other faces keep: places at their ends are where edges
 /// end, and can be less regular than any other.
 const LESS: f64 = 0.6;
-
-/// What is asked of strips that are to meet.
-#[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
-    /// Between which labels (left, right) seams must stay where they are.
-    pub held: &'a dyn Fn([u32; 2]) -> bool,
-    /// Labels whose strips stay as they are, and their borders too.
-    pub without: &'a BTreeSet<u32>,
-    /// Share of what keeps a strip away from its regression curve that steps may expect to be left: patches need room between
-    /// their region and that curve.
-    pub regular: f64,
-    /// mm.
-    pub tolerance: f64,
-    /// What distances count at places on the border of the face, where panels are to be nearer there than elsewhere; even a
-    /// strip without neighbours is changed then.
-    pub borders: Option<&'a BorderCounts<'a>>,
-    /// Largest distance (tolerances) of a sample with which what comes out is of use: steps end where it cannot be reached.
-    pub most: f64,
-}
-
-/// What the distance of a place on the border of a face counts.
-pub(crate) type BorderCounts<'a> = dyn Fn(&Vec3) -> f64 + Sync + 'a;
 
 /// What one step led to.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,13 @@
 //! What the program starts from: strips on equal spans near those of a cover, lines along the borders of its regions, and
 //! points of the face.
 
+use super::asked::Asked;
 use super::envelope::Envelope;
 use super::form::Foot;
 use super::line::{End, Line};
 use super::network::{median, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
-use super::Asked;
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;

@@ -13,6 +13,7 @@ use crate::num::runs::Runs;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use crate::torse::form::{DualTorse, PanelKind};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 const RADIUS: f64 = 500.0;
@@ -40,7 +41,7 @@ fn zones(levels: &[f64]) -> (Face, State) {
     state.partition.labels.fill(0);
     for (k, &b) in levels[1..last].iter().enumerate() {
         let at = map[1].forward(b);
-        state.cut(&face.surface, k as u32, k as u32 + 1, |p| p[1] - at);
+        state.cut(k as u32, k as u32 + 1, |p| p[1] - at);
     }
     for (k, w) in levels.windows(2).enumerate() {
         let torse = Torse::Dual(tangent_cone(0.5 * (w[0] + w[1])));

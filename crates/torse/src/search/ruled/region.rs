@@ -125,7 +125,7 @@ pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<Piec
         |p: [f64; 2]| Curvatures::of(&face.surface.jet(p[0], p[1])).map_or(allowed, |c| c.least_bend() - allowed);
     let domed = 1;
     let before = state.partition.triangles.len();
-    state.cut(&face.surface, 0, domed, bend);
+    state.cut(0, domed, bend);
     let whole = state.area(0) + state.area(domed);
     let mut left = Vec::new();
     let area = state.area(domed);

@@ -16,7 +16,7 @@ use crate::geom::Vec3;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
-use crate::search::cover::{laid_anew, recounted, CoverOptions, Limits, Recount, SeamLine, State};
+use crate::search::cover::{CoverOptions, Job, Limits, Recount, SeamLine, State};
 use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
 use crate::torse::form::{PanelKind, Torse};
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ pub(crate) fn met(
     control: &Control,
 ) -> Built {
     let tolerance = built.certificate.tolerance;
-    let base = as_built(face, state, &built);
+    let base = state.as_built(&built);
     let mut attempts = Attempts {
         index,
         face,
@@ -194,7 +194,7 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
 /// A face that is to meet others, and its panels as a state.
 fn attempted<'a>(side: Side<'a>, control: &'a Control) -> Option<(Attempts<'a>, State)> {
     let Side { index, on: (face, state), built, wanted, borders } = side;
-    let base = as_built(face, state, built)?;
+    let base = state.as_built(built)?;
     let attempts = Attempts {
         index,
         face,
@@ -269,9 +269,9 @@ impl Attempts<'_> {
         if !free || !self.is_open() {
             return false;
         }
-        let Some(next) = recounted(self.face, self.wanted, self.control, state, recount) else { return false };
+        let Some(next) = Job::new(self.face, self.wanted, self.control).recounted(state, recount) else { return false };
         let partition = smooth_borders(self.face, next.partition.clone(), self.tolerance, |_| true);
-        let next = seams::with_partition(self.face, &next, partition);
+        let next = next.with_partition(partition);
         // Labels are others, and no flat pattern is given up.
         let unproven = std::mem::replace(&mut self.unproven, OnceLock::from(BTreeSet::new()));
         let most = std::mem::replace(&mut self.most, NEAR_ENOUGH);
@@ -317,7 +317,7 @@ impl Attempts<'_> {
             .filter_map(|t| Some((t.label, t.form.torse()?)))
             .collect();
         let intersections = Intersections::new(self.face, &torses);
-        let base = as_built(self.face, state, built)?;
+        let base = state.as_built(built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
         self.bordered_at(&intersections, &base, wanted, Moving::Accepted(built)).ok()
     }
@@ -384,7 +384,7 @@ impl Attempts<'_> {
             let too_far = if last { Vec::new() } else { places_too_far(&built) };
             return if labels.is_empty() { Ok(built) } else { Err(Refused { labels, too_far }) };
         }
-        let along_lines = redrawn(self.face, &next, &joined.lines);
+        let along_lines = next.redrawn(&joined.lines);
         if let Some(crossing) = along_lines.as_ref().err().filter(|c| !c.is_empty()) {
             // Lines cross where a strip has become nothing: the smaller of both.
             let smaller = |[a, b]: &[u32; 2]| if base.area(*a) < base.area(*b) { *a } else { *b };
@@ -435,7 +435,8 @@ impl Attempts<'_> {
         }
         for label in labels {
             let fits = [base, &state].map(|s| s.panels.get(label).cloned());
-            let found = laid_anew(self.face, self.wanted, self.control, (&state, *label), fits.iter().flatten())?;
+            let found =
+                Job::new(self.face, self.wanted, self.control).laid_anew(&state, *label, fits.iter().flatten())?;
             state.panels.insert(*label, found);
         }
         Some(state)
@@ -470,7 +471,7 @@ impl Attempts<'_> {
             // Borders with edges that are kept stay as they are.
             let moves = |p: [u32; 2]| built.is_none() || wanted.contains(&p);
             let partition = smooth_borders(self.face, now.partition.clone(), self.tolerance, moves);
-            let now = intersections.settled(&seams::with_partition(self.face, &now, partition), &wanted);
+            let now = intersections.settled(&now.with_partition(partition), &wanted);
             let borders = borders(self.face, &now.partition);
             let (mut edges, spoilt) = intersections.edges(&now, &borders, &wanted);
             if !spoilt.is_empty() {
@@ -602,21 +603,26 @@ fn both(labels: [Option<u32>; 2]) -> Option<[u32; 2]> {
     Some(pair([labels[0]?, labels[1]?]))
 }
 
-/// The state with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
-fn redrawn(face: &Face, state: &State, lines: &[JoinedLine]) -> Result<State, Vec<[u32; 2]>> {
-    let lines: Vec<Line> = lines.iter().map(|l| Line { labels: l.labels, uv: &l.uv }).collect();
-    let (u, v) = (face.surface.knots_u.breaks(), face.surface.knots_v.breaks());
-    Ok(seams::with_partition(face, state, state.partition.redrawn(&lines, [&u, &v])?))
-}
-
-/// The state with the torses and the partition of panels.
-fn as_built(face: &Face, state: &State, built: &Built) -> Option<State> {
-    let mut out = seams::with_partition(face, state, built.patchwork.partitions.first()?.clone());
-    for p in &built.patchwork.panels {
-        let trim = p.trim.as_ref()?;
-        let fit =
-            Fit { torse: trim.form.torse()?.clone(), kind: p.strip.kind, ..(**out.panels.get(&trim.label)?).clone() };
-        out.panels.insert(trim.label, Arc::new(fit));
+impl State {
+    /// The state with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
+    fn redrawn(&self, lines: &[JoinedLine]) -> Result<State, Vec<[u32; 2]>> {
+        let lines: Vec<Line> = lines.iter().map(|l| Line { labels: l.labels, uv: &l.uv }).collect();
+        let (u, v) = (self.surface.knots_u.breaks(), self.surface.knots_v.breaks());
+        Ok(self.with_partition(self.partition.redrawn(&lines, [&u, &v])?))
     }
-    Some(out)
+
+    /// The state with the torses and the partition of panels.
+    fn as_built(&self, built: &Built) -> Option<State> {
+        let mut out = self.with_partition(built.patchwork.partitions.first()?.clone());
+        for p in &built.patchwork.panels {
+            let trim = p.trim.as_ref()?;
+            let fit = Fit {
+                torse: trim.form.torse()?.clone(),
+                kind: p.strip.kind,
+                ..(**out.panels.get(&trim.label)?).clone()
+            };
+            out.panels.insert(trim.label, Arc::new(fit));
+        }
+        Some(out)
+    }
 }

@@ -5,7 +5,7 @@
 //! which lies by difference over slope beside the border to first order. Ill posed where strips hardly cross
 //! (parabolic lines).
 
-use super::seams::{settle, with_partition, SharedSeam};
+use super::seams::{settle, SharedSeam};
 use crate::brep::face::Face;
 use crate::fit::height::Height;
 use crate::fit::panels::boundary::{Borders, SeamChain};
@@ -170,7 +170,7 @@ impl<'a> Intersections<'a> {
                 partition.relax([&lines[0], &lines[1]]);
             }
         }
-        with_partition(self.face, state, partition)
+        state.with_partition(partition)
     }
 
     /// Parameters of the place on the face whose normal goes through a point.
@@ -240,7 +240,7 @@ impl<'a> Intersections<'a> {
                 partition.labels[t] = if partition.labels[t] == a { b } else { a };
             }
         }
-        with_partition(self.face, state, partition)
+        state.with_partition(partition)
     }
 
     /// Edges of these borders, and the pairs for which there is none.
@@ -407,7 +407,7 @@ impl Pair<'_> {
         let value = |p: [f64; 2]| known.get(&bits(p)).copied().or_else(|| Some(-sign * self.difference(p)?));
         let mut out = state.clone();
         out.partition.labels.iter_mut().filter(|l| **l == labels[1]).for_each(|l| *l = labels[0]);
-        out.cut(&self.face.surface, labels[0], labels[1], |p| value(p).unwrap_or(0.0));
+        out.cut(labels[0], labels[1], |p| value(p).unwrap_or(0.0));
         let single = |l: &u32| out.partition.components(&out.partition.region(*l), |_, _| true).len() == 1;
         let far: HashMap<u32, f64> = asked.iter().filter(|a| a.2.is_none()).map(|a| (a.0, a.1)).collect();
         let keeps = |(t, l): (&[u32; 3], &u32)| {
@@ -513,7 +513,7 @@ mod tests {
     fn halves(face: &Face) -> State {
         let mut state = State::of_face(face, 20.0).expect("a state");
         state.partition.labels.fill(0);
-        state.cut(&face.surface, 0, 1, |p| p[0] - 0.5);
+        state.cut(0, 1, |p| p[0] - 0.5);
         state
     }
 

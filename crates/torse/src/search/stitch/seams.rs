@@ -8,6 +8,7 @@ use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
 
 /// An edge in space for a chain of the borders.
 #[derive(Clone, Debug)]
@@ -127,19 +128,22 @@ pub(crate) fn kept(patchwork: &Patchwork, borders: &Borders) -> Vec<SharedSeam> 
     borders.seam_chains().into_iter().filter_map(same).collect()
 }
 
-/// The state with another partition of the same labels.
-pub(crate) fn with_partition(face: &Face, state: &State, partition: Partition) -> State {
-    let mut out = State {
-        partition,
-        jets: Vec::new(),
-        panels: state.panels.clone(),
-        bands: state.bands.clone(),
-        origins: state.origins.clone(),
-        seam_lines: state.seam_lines.clone(),
-        touched: state.touched,
-    };
-    out.update(&face.surface);
-    out
+impl State {
+    /// The state with another partition of the same labels.
+    pub(crate) fn with_partition(&self, partition: Partition) -> State {
+        let mut out = State {
+            surface: Arc::clone(&self.surface),
+            partition,
+            jets: Vec::new(),
+            panels: self.panels.clone(),
+            bands: self.bands.clone(),
+            origins: self.origins.clone(),
+            seam_lines: self.seam_lines.clone(),
+            touched: self.touched,
+        };
+        out.update();
+        out
+    }
 }
 
 #[cfg(test)]

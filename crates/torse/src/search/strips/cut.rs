@@ -86,7 +86,7 @@ pub struct Laid {
 }
 
 /// Lays chains of strips flat, see [`cut`], and has them judged; `tolerance` (mm) is that of the job.
-pub fn laid(strips: &[Strip], chains: &[Part], options: &StripOptions, tolerance: f64) -> Laid {
+pub(crate) fn laid(strips: &[Strip], chains: &[Part], options: &StripOptions, tolerance: f64) -> Laid {
     laid_until(strips, chains, options, tolerance, &Control::default())
 }
 
@@ -171,7 +171,7 @@ fn crowded(patterns: &[Pattern], options: &StripOptions) -> Vec<Crowded> {
 }
 
 /// What is proven of flat parts together; where a part has no proof of its map, lengths as they were measured.
-pub fn lengths(patterns: &[Pattern], flat: &[FlatCertificate]) -> Vec<Claim> {
+pub(crate) fn lengths(patterns: &[Pattern], flat: &[FlatCertificate]) -> Vec<Claim> {
     if flat.is_empty() {
         return Vec::new();
     }
@@ -185,7 +185,7 @@ pub fn lengths(patterns: &[Pattern], flat: &[FlatCertificate]) -> Vec<Claim> {
 
 /// Parts whose drawings are not proven within the tolerance (mm), and parts without a proof of their map whose lengths are
 /// measured to be wrong by more than it, as reasons.
-pub fn refused(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<Reason> {
+pub(crate) fn refused(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<Reason> {
     let item = |f: &FlatCertificate| Item::Part(parts.get(f.panel()).map_or_else(String::new, |p| p.name.clone()));
     let stretched = |f: &FlatCertificate| {
         let own = patterns.iter().find(|p| p.panel == f.panel());

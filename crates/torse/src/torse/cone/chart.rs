@@ -77,7 +77,7 @@ impl<'a> ConeChart<'a> {
 }
 
 /// Share of the turn at which the normal plane of a segment passes through a point.
-pub fn share(segment: &Segment, p: &Vec3) -> f64 {
+pub(crate) fn share(segment: &Segment, p: &Vec3) -> f64 {
     let s = &segment.start;
     if let Shape::Flat { width } = segment.shape {
         return forward_of(s, p) / width;

@@ -61,7 +61,7 @@ pub fn patches(segment: &Segment) -> Result<Vec<Surface>, SplineError> {
 ///
 /// # Errors
 /// Those of [`patches`]; pieces whose weights do not agree where they meet, which are those of edges that are no circles.
-pub fn whole_patch(segment: &Segment) -> Result<Surface, SplineError> {
+pub(crate) fn whole_patch(segment: &Segment) -> Result<Surface, SplineError> {
     let pieces = patches(segment)?;
     let [first, others @ ..] = &pieces[..] else { return patch(segment) };
     if others.is_empty() {

@@ -13,15 +13,14 @@ pub mod regression_curve;
 pub(crate) mod tensor_product;
 mod wedge;
 
+pub use wedge::Plane;
+
 use super::form::{DualTorse, Ruling};
 use crate::geom::placement::Placement;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::knots::Knots;
 use crate::spline::SplineError;
-
-/// Homogeneous coordinates `(u0, u1, u2, u3)` of a plane.
-pub type Plane = [f64; 4];
 
 /// Which of the three types of \[PW99\] a curve of planes is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

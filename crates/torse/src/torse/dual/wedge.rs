@@ -3,8 +3,10 @@
 //! The point common to three planes has the coordinates `x_j = (−1)^j det(minor without column j)` of the rows of
 //! plane coordinates. Points are returned in the house's order `(w x, w y, w z, w)`.
 
-use super::Plane;
 use crate::spline::bezier::Bezier;
+
+/// Homogeneous coordinates `(u0, u1, u2, u3)` of a plane.
+pub type Plane = [f64; 4];
 
 /// The point common to three planes, homogeneous.
 pub(super) fn point_of_planes(a: &Plane, b: &Plane, c: &Plane) -> [f64; 4] {

@@ -1,7 +1,7 @@
 //! Where the neutral fibre lies along a face without closed form: its depth by the bend of every ruling, inflections, and the
 //! stretches that are bent one way.
 
-use super::{Line, Ruled, HAIR, STEPS};
+use super::ruled::{Line, Ruled, HAIR, STEPS};
 use crate::num::quadrature::GAUSS_4;
 
 /// A stretch of a face that is bent one way.

@@ -9,7 +9,7 @@
 //! where that is too far off to be reckoned with, rulings are as good as parallel. Such strips are laid as near as can be to where the
 //! map of the whole face has their outer rulings. So are general cones below their face, whose offsets are tangent surfaces.
 
-use super::{Line, Ruled};
+use super::ruled::{Line, Ruled};
 use crate::brep::recognised_surface::RecognisedSurface;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};

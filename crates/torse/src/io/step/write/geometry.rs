@@ -1,7 +1,7 @@
 //! Geometry records: points, placements, curves and surfaces (ISO 10303-42).
 
 use super::records::{boolean, list, real, references, Records};
-use super::{ShellCurve, ShellSurface};
+use super::shell::{ShellCurve, ShellSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;

@@ -3,7 +3,7 @@
 
 use super::super::bytes::{fault, Cursor, Reading};
 use super::super::{curves, surfaces};
-use super::{Brep, Edge, Face, Loop, Trim, OUTER, SINGULAR};
+use super::tables::{Brep, Edge, Face, Loop, Trim, OUTER, SINGULAR};
 
 /// Kind of a trim that bounds its face.
 const BOUNDARY: i32 = 1;

@@ -1,11 +1,12 @@
 //! Why faces, bodies and panels are left out, in words.
 
-use super::{numbered, why};
+use super::items::numbered;
 use crate::geom::place_in_words;
 use crate::io::words::numbers::{angle, area, length, length_bound, length_least, number, place};
-use crate::reason::{FaceReason, Limit, Unlaid};
+use crate::reason::{FaceReason, Limit, Reason, Unlaid};
 
-pub(super) fn words(reason: &FaceReason) -> String {
+/// `why` tells the reasons behind it.
+pub(super) fn words(reason: &FaceReason, why: fn(&Reason) -> String) -> String {
     match reason {
         FaceReason::OutOfTime => "time was up before it was covered".into(),
         FaceReason::EndedBefore { entity } => format!("ended early, before face #{entity}"),
@@ -21,7 +22,7 @@ pub(super) fn words(reason: &FaceReason) -> String {
             format!(
                 "{what} left out ({}){more}: {}",
                 areas(*area_estimate, *unknown, *count),
-                numbered(*entity, first)
+                numbered(*entity, &why(first))
             )
         }
         FaceReason::PanelsLeftOut { count, first } => format!("{count} panels are left out, the first {}", why(first)),

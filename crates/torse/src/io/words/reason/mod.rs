@@ -2,13 +2,15 @@
 
 mod face;
 mod flat;
+mod items;
 mod proof;
 mod strip;
 
+pub(super) use items::name;
 pub(super) use strip::out_of_bounds;
 
 use crate::answer::skipped::Skipped;
-use crate::reason::{Item, Reason, Sort};
+use crate::reason::Reason;
 
 /// A reason in words.
 pub fn why(reason: &Reason) -> String {
@@ -19,63 +21,22 @@ pub fn why(reason: &Reason) -> String {
         Reason::Proof(fault) => proof::words(fault),
         Reason::Flat(fault) => flat::words(*fault),
         Reason::Written(fault) => flat::written(fault),
-        Reason::Face(reason) => face::words(reason),
-        Reason::Strip(reason) => strip::words(reason),
-        Reason::Job(reason) => strip::of_job(reason),
+        Reason::Face(reason) => face::words(reason, why),
+        Reason::Strip(reason) => strip::words(reason, why),
+        Reason::Job(reason) => strip::of_job(reason, why),
         Reason::Unlaid(reason) => face::unlaid(reason),
     }
 }
 
 /// What is left out, with its number in front of the reason where it has one.
 pub fn left_out(skipped: &Skipped) -> String {
-    numbered(skipped.entity, &skipped.reason)
-}
-
-fn numbered(entity: Option<u64>, reason: &Reason) -> String {
-    match entity {
-        Some(entity) => format!("#{entity}: {}", why(reason)),
-        None => why(reason),
-    }
-}
-
-/// What a thing is called.
-pub(super) fn name(item: &Item) -> String {
-    match item {
-        Item::Named(name) => name.clone(),
-        Item::Panel(name) => format!("panel {name}"),
-        Item::Strip(name) => format!("strip {name}"),
-        Item::Pattern(name) => format!("pattern {name}"),
-        Item::Part(name) => format!("part {name}"),
-        Item::Record(entity, of) => format!("#{entity}, {}", name(of)),
-        Item::Handle(k, curve) => format!("handle {k} on {curve}"),
-        Item::Length(k) => format!("length {k}"),
-        Item::Elements { row, sort, range } => {
-            let of = row.as_ref().map_or(String::new(), |row| format!("{row}: "));
-            format!("{of}{} {} to {}", many(*sort), range.start, range.end.saturating_sub(1))
-        }
-    }
-}
-
-fn one(sort: Sort) -> &'static str {
-    match sort {
-        Sort::Points => "point",
-        Sort::Rulings => "ruling",
-        Sort::Planes => "plane",
-    }
-}
-
-fn many(sort: Sort) -> &'static str {
-    match sort {
-        Sort::Points => "points",
-        Sort::Rulings => "rulings",
-        Sort::Planes => "planes",
-    }
+    items::numbered(skipped.entity, &why(&skipped.reason))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reason::{FaceReason, FlatFault, JobReason, StripReason};
+    use crate::reason::{FaceReason, FlatFault, Item, JobReason, Sort, StripReason};
 
     #[test]
     fn reasons_of_things_name_them_and_several_follow_each_other() {

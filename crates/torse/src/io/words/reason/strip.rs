@@ -1,14 +1,15 @@
 //! Why strips and jobs are not what was asked for, in words.
 
-use super::{many, name, one, proof, why};
+use super::items::{many, name, one};
+use super::proof;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
 use crate::io::words::numbers::{angle, angle_bound, length, length_bound, number, percent, percent_least, place};
 use crate::io::words::told;
-use crate::reason::{Covered, Curves, JobReason, Sort, Stalled, StripReason, Witness};
+use crate::reason::{Covered, Curves, JobReason, Reason, Sort, Stalled, StripReason, Witness};
 
 #[expect(clippy::too_many_lines, reason = "one sentence after another")]
-pub(super) fn words(reason: &StripReason) -> String {
+pub(super) fn words(reason: &StripReason, why: fn(&Reason) -> String) -> String {
     match reason {
         StripReason::None => "no strip could be made".into(),
         StripReason::Unbounded => "nothing bounds its distance from the curves or its twist; not written".into(),
@@ -168,7 +169,7 @@ fn reached(x: f64) -> f64 {
 }
 
 #[expect(clippy::too_many_lines, reason = "one sentence after another")]
-pub(super) fn of_job(reason: &JobReason) -> String {
+pub(super) fn of_job(reason: &JobReason, why: fn(&Reason) -> String) -> String {
     match reason {
         JobReason::EndedEarly(None) => "ended early".into(),
         JobReason::EndedEarly(Some(bound)) => {
