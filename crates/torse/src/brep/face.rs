@@ -1,6 +1,6 @@
 //! A trimmed face of the input model, ready for approximation.
 
-use super::raw::{RawFace, SurfaceKind};
+use super::raw::{RawFace, SurfaceDeviation, SurfaceKind};
 use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
 use crate::spline::curve::Curve;
@@ -33,10 +33,10 @@ pub struct Face {
     pub loops: Vec<TrimLoop>,
     /// Distance (mm) between the file's edge curves and the polygons' images, measured at samples.
     pub trim_deviation_estimate: f64,
-    /// Distance (mm) between the file's surface and `surface`; 0 where the conversion is exact.
-    pub surface_deviation_estimate: f64,
     /// The faces of the file that were joined to this one; empty for a face of the file.
     pub parts: Vec<FacePart>,
+    /// How far `surface` is from that of the file: see [`Face::surface_bound`].
+    pub(super) surface_deviation: SurfaceDeviation,
     /// See [`Face::joint_bound`].
     pub(super) joint_bound: f64,
     /// See [`Face::trim_bound`].
@@ -154,7 +154,7 @@ impl Face {
             reversed: false,
             loops: vec![TrimLoop { points: vec![[u0, v0], [u1, v0], [u1, v1], [u0, v1]], edge: vec![0, 1, 2, 3] }],
             trim_deviation_estimate: 0.0,
-            surface_deviation_estimate: 0.0,
+            surface_deviation: SurfaceDeviation::NONE,
             parts: Vec::new(),
             joint_bound: 0.0,
             trim_bound: 0.0,
@@ -168,8 +168,19 @@ impl Face {
         self.joint_bound
     }
 
+    /// Bound (mm) on the distance between the file's surface and `surface`: 0 where they are the same, infinite where it was
+    /// only measured. Part of the bound that [`Face::trim_bound`] states.
+    pub fn surface_bound(&self) -> f64 {
+        self.surface_deviation.bound
+    }
+
+    /// Distance (mm) between the file's surface and `surface` as seen at samples; 0 where they are the same.
+    pub fn surface_deviation_estimate(&self) -> f64 {
+        self.surface_deviation.estimate
+    }
+
     /// Bound (mm) on the distance between the face as its file bounds it and the region of the polygons: what the trim
-    /// misses. Infinite until it is proven (by `certify::trims`); 0 where the polygons are the file's own boundary.
+    /// misses, and what the surface is off. Infinite until it is proven (by `certify::trims`); 0 where the polygons are the file's own boundary.
     pub fn trim_bound(&self) -> f64 {
         self.trim_bound
     }
@@ -194,7 +205,7 @@ impl Face {
         out.surface.place(placement);
         out.reversed = self.reversed != placement.reflects();
         out.trim_deviation_estimate *= placement.scale();
-        out.surface_deviation_estimate *= placement.scale();
+        out.surface_deviation = out.surface_deviation.scaled(placement.scale());
         out.joint_bound *= placement.scale();
         out.trim_bound *= placement.scale();
         out.boundary = self.boundary.as_ref().map(|b| Arc::new(b.placed(placement)));

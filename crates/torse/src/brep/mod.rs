@@ -11,6 +11,7 @@ pub mod face;
 pub(crate) mod join;
 pub(crate) mod nearest_on_curve;
 pub(crate) mod offset;
+pub(crate) mod offset_bound;
 pub(crate) mod parameter_map;
 pub(crate) mod project;
 pub mod raw;

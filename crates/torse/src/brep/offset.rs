@@ -1,5 +1,7 @@
 //! Offset surfaces: exact for the support surfaces whose offsets are of their own kind, interpolated for the rest.
 
+use super::offset_bound::distance_from_offset;
+use super::raw::SurfaceDeviation;
 use super::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
@@ -34,13 +36,16 @@ const ACCEPTED_SHARE: f64 = 1e-4;
 /// Rounds of halving all knot spans.
 const ROUNDS: usize = 4;
 
-/// The surface at the signed `distance` (mm) along the normal `S_u × S_v`, with the largest deviation found (mm).
+/// The surface at the signed `distance` (mm) along the normal `S_u × S_v`, with what is known of its deviation (mm).
 ///
 /// # Errors
 /// See [`OffsetError`].
-pub(crate) fn of_support(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
+pub(crate) fn of_support(
+    base: &SupportSurface,
+    distance: f64,
+) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
     let positive = |x: f64| if x > 0.0 { Ok(x) } else { Err(OffsetError::Vanishes(distance)) };
-    let exact = |c: SupportSurface| Ok((c, 0.0));
+    let exact = |c: SupportSurface| Ok((c, SurfaceDeviation::NONE));
     match base {
         SupportSurface::Plane(f) => exact(SupportSurface::Plane(Frame { origin: f.origin + f.z * distance, ..*f })),
         SupportSurface::Cylinder { frame, radius } => {
@@ -63,13 +68,14 @@ pub(crate) fn of_support(base: &SupportSurface, distance: f64) -> Result<(Suppor
         SupportSurface::Torus { frame, major, minor } => {
             exact(SupportSurface::Torus { frame: *frame, major: *major, minor: positive(minor + distance)? })
         }
+        SupportSurface::Spline(_) if distance == 0.0 => exact(base.clone()),
         SupportSurface::Spline(s) => interpolated(&s.surface, distance),
         SupportSurface::Extrusion { .. } | SupportSurface::Revolution { .. } => Err(OffsetError::Endless),
     }
 }
 
-/// Interpolates the offset at Greville points over ever finer knots.
-fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
+/// Interpolates the offset at Greville points over ever finer knots. What it is off is proven, not sampled.
+fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
     let size = s.bbox().diagonal();
     let at = |u: f64, v: f64| -> Result<Vec3, OffsetError> {
         let j = s.jet(u, v);
@@ -111,7 +117,8 @@ fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, f64), Off
     }
     match best {
         Some((out, worst)) if worst <= ACCEPTED_SHARE * size => {
-            Ok((SupportSurface::Spline(SplineSupport::new(out)), worst))
+            let bound = distance_from_offset(&out, s, distance, worst);
+            Ok((SupportSurface::Spline(SplineSupport::new(out)), SurfaceDeviation { estimate: worst, bound }))
         }
         Some((_, worst)) => Err(OffsetError::TooRough(worst)),
         None => Err(OffsetError::NoNormal),
@@ -192,7 +199,7 @@ mod tests {
         ];
         for c in supports {
             let (o, deviation) = of_support(&c, -0.5).expect("an offset");
-            assert!(deviation <= 0.0);
+            assert_eq!(deviation, SurfaceDeviation::NONE);
             for q in [[0.3, 0.2], [2.0, -0.7]] {
                 let j = c.jet(q);
                 let x = j.p - j.du.cross(&j.dv).normalize() * 0.5;
@@ -203,21 +210,50 @@ mod tests {
         assert!(of_support(&SupportSurface::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
     }
 
-    #[test]
-    fn a_spline_offset_states_its_deviation() {
+    /// A bicubic over four cells; its weights go from 1 to `heaviest`.
+    fn wave(heaviest: f64) -> Surface {
         let k = Knots::uniform(3, 2, 0.0, 1.0).expect("knots");
         let points: Vec<Vec3> =
             (0..25).map(|k| Vec3::new((k / 5) as f64, (k % 5) as f64, ((k * k) as f64 * 0.01).sin())).collect();
-        let s = Surface::new(k.clone(), k, &points, None).expect("surface");
-        let (o, deviation) =
-            of_support(&SupportSurface::Spline(SplineSupport::new(s.clone())), 0.2).expect("an offset");
-        assert!(deviation < 1e-4);
-        let SupportSurface::Spline(o) = o else { unreachable!() };
-        for i in 0..=20 {
-            let (u, v) = (f64::from(i) / 20.0, f64::from(i * i % 21) / 20.0);
+        let weights: Vec<f64> = (0..25).map(|k| 1.0 + (heaviest - 1.0) * f64::from(k * 7 % 25) / 24.0).collect();
+        Surface::new(k.clone(), k, &points, (heaviest != 1.0).then_some(&weights[..])).expect("surface")
+    }
+
+    /// Largest distance of a surface from the offset, at many samples.
+    fn seen(o: &Surface, s: &Surface, distance: f64) -> f64 {
+        let at = |i: u32| f64::from(i) / 61.0;
+        let off = |u: f64, v: f64| {
             let j = s.jet(u, v);
-            let x = j.p + j.normal().normalize() * 0.2;
-            assert!((o.surface.point(u, v) - x).norm() <= 3.0 * deviation + 1e-9);
+            (o.point(u, v) - j.p - j.normal().normalize() * distance).norm()
+        };
+        (0..=61).flat_map(|i| (0..=61).map(move |j| off(at(i), at(j)))).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn what_a_spline_offset_is_off_is_proven() {
+        for (heaviest, distance) in [(1.0, 0.2), (1.0, -0.3), (1.5, 0.2)] {
+            let s = wave(heaviest);
+            let (o, deviation) =
+                of_support(&SupportSurface::Spline(SplineSupport::new(s.clone())), distance).expect("an offset");
+            let SupportSurface::Spline(o) = o else { unreachable!() };
+            let worst = seen(&o.surface, &s, distance);
+            assert!(worst > 0.0 && deviation.bound < 1e-4);
+            assert!(worst <= deviation.bound, "{worst:e} {deviation:?}");
+            assert!(deviation.bound <= 3.0 * worst + 1e-11, "{worst:e} {deviation:?}");
         }
+    }
+
+    #[test]
+    fn what_is_no_offset_is_not_said_to_be_near() {
+        let (s, distance) = (wave(1.0), 0.2);
+        let (o, _) = of_support(&SupportSurface::Spline(SplineSupport::new(s.clone())), distance).expect("an offset");
+        let SupportSurface::Spline(o) = o else { unreachable!() };
+        // On the other side it is twice the distance away, and a bump counts with its height.
+        assert!(distance_from_offset(&o.surface, &s, -distance, 0.0).is_infinite());
+        let mut bump = o.surface.clone();
+        let middle = bump.control.len() / 2;
+        bump.control[middle][2] += 0.01;
+        let (worst, bound) = (seen(&bump, &s, distance), distance_from_offset(&bump, &s, distance, 1e-3));
+        assert!(worst > 1e-3 && (worst..2.5 * worst).contains(&bound), "{worst:e} {bound:e}");
     }
 }

@@ -4,6 +4,47 @@ use super::space_curve::{Arc, SpaceCurve};
 use super::support_surface::SupportSurface;
 use crate::geom::Vec3;
 
+/// How far a surface that was read is from that of its file, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceDeviation {
+    /// As seen at samples.
+    pub estimate: f64,
+    /// As proven; infinite where nothing is.
+    pub bound: f64,
+}
+
+impl SurfaceDeviation {
+    /// Of a surface that is the file's.
+    pub const NONE: Self = Self { estimate: 0.0, bound: 0.0 };
+
+    /// Of one of which nothing is proven.
+    pub fn seen(estimate: f64) -> Self {
+        Self { estimate, bound: if estimate == 0.0 { 0.0 } else { f64::INFINITY } }
+    }
+
+    /// Of one that is off by no more than `bound`.
+    pub fn proven(bound: f64) -> Self {
+        Self { estimate: bound, bound }
+    }
+
+    /// Of the offset of a surface, which is off from its exact offset by `self`. Of offsets of what is off itself nothing is
+    /// known: their normals differ.
+    pub fn over(self, base: Self) -> Self {
+        let bound = if base.bound == 0.0 { self.bound } else { f64::INFINITY };
+        Self { estimate: self.estimate + base.estimate, bound }
+    }
+
+    /// The worse of both.
+    pub fn max(self, o: Self) -> Self {
+        Self { estimate: self.estimate.max(o.estimate), bound: self.bound.max(o.bound) }
+    }
+
+    /// In another unit.
+    pub fn scaled(self, by: f64) -> Self {
+        Self { estimate: self.estimate * by, bound: self.bound * by }
+    }
+}
+
 /// A face as files describe it: a support and oriented boundary curves of space.
 #[derive(Clone, Debug)]
 pub struct RawFace {
@@ -21,8 +62,8 @@ pub struct RawFace {
     pub same_sense: bool,
     /// The part of the support that is the face.
     pub region: Region,
-    /// Distance (mm) between the file's surface and `support`.
-    pub surface_deviation_estimate: f64,
+    /// How far `support` is from the file's surface.
+    pub surface_deviation: SurfaceDeviation,
     /// Distance (mm) below which the file calls points the same; 0 if it does not say.
     pub uncertainty: f64,
 }

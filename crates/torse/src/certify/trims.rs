@@ -56,11 +56,11 @@ const STORED: f64 = 1e-13;
 /// Largest bend of the correspondence `t(x) = x + κ x(1 − x)`: below 1 it stays monotone.
 const MOST_BEND: f64 = 0.9;
 
-/// Bound of the distance between the face as its file bounds it and the region of its polygons. Distances below `aim`
-/// (mm) are not told apart.
+/// Bound of the distance between the face as its file has it and the region of its polygons: what these miss of its edges, and
+/// what its surface is off. Distances below `aim` (mm) are not told apart.
 pub fn trim_proof(face: &Face, aim: f64) -> TrimProof {
     let Some(boundary) = &face.boundary else {
-        return TrimProof { bound: face.trim_bound(), edge: 0 };
+        return TrimProof { bound: face.trim_bound().max(face.surface_bound()), edge: 0 };
     };
     let mut out = TrimProof { bound: 0.0, edge: 0 };
     let size = face.surface.control.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -78,6 +78,11 @@ pub fn trim_proof(face: &Face, aim: f64) -> TrimProof {
     }
     if boundary.along.len() != face.loops.len() || boundary.loops.is_empty() {
         out.bound = f64::INFINITY;
+    }
+    // Edges are compared on the surface that was read.
+    let off = face.surface_bound();
+    if off != 0.0 {
+        out.bound = (out.bound + off).next_up();
     }
     out
 }

@@ -124,12 +124,13 @@ const EDGE_AIM: f64 = 0.01;
 pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let off = |face: usize| match &part.maps[face] {
         Some(m) => match distance_from_map_surface(&part.faces[face].surface, &part.bounds[face], m) {
-            (bound, true) => bound,
+            (bound, true) => bound.plus(UpperBound::shown(part.faces[face].surface_bound())),
             // The file's trim may go beyond the polygons that were read of it, onto what was not looked at.
             (bound, false) => bound.plus(trim_proof(part.faces[face], EDGE_AIM * tolerance).bound()),
         },
         None if are_whole(&part.strips[face], &part.bounds[face]) => {
-            UpperBound::largest(part.strips[face].iter().map(|s| distance_of_strip(&part.faces[face].surface, s)))
+            let from = part.strips[face].iter().map(|s| distance_of_strip(&part.faces[face].surface, s));
+            UpperBound::largest(from).plus(UpperBound::shown(part.faces[face].surface_bound()))
         }
         None => UpperBound::UNKNOWN,
     };

@@ -216,6 +216,9 @@ pub struct FaceRecord {
     pub trim_deviation_estimate: Option<f64>,
     /// Distance between the file's surface and the spline used for it, measured at samples, mm.
     pub surface_deviation_estimate: Option<f64>,
+    /// Bound on that distance, mm, part of `trim_bound`; none where it was only measured.
+    #[serde(default)]
+    pub surface_bound: Option<f64>,
     /// Faces of the file that were joined to this one, because they go on smoothly; empty for a face of the file.
     #[serde(default)]
     pub joined: Vec<JoinedRecord>,
@@ -592,6 +595,7 @@ pub(crate) mod tests {
                 coverage: 1.0,
                 trim_deviation_estimate: Some(0.0),
                 surface_deviation_estimate: Some(0.0),
+                surface_bound: Some(0.0),
                 joined: Vec::new(),
                 joint_bound: 0.0,
                 trim_bound: Some(0.0),

@@ -133,8 +133,8 @@ pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> Option
     match panels {
         Panels::Strips(_) => None,
         Panels::Faces(all) => Some(UpperBound::largest(part.record.panels.iter().map(|name| match all.get(name) {
-            Some(face) if face.surface_deviation_estimate == 0.0 => trim_proof(face, aim).bound(),
-            _ => UpperBound::UNKNOWN,
+            Some(face) => trim_proof(face, aim).bound(),
+            None => UpperBound::UNKNOWN,
         }))),
     }
 }

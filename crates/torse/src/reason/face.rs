@@ -55,6 +55,13 @@ pub enum FaceReason {
         /// Proven distance, mm; infinite where none is.
         bound: f64,
     },
+    /// The surface is a spline in place of that of the file, and not shown to be near enough.
+    Replaced {
+        /// Entity number of the face.
+        entity: u64,
+        /// Proven distance, mm; infinite where it was only measured.
+        bound: f64,
+    },
     /// A region has no panel.
     NoPanel {
         /// What the error says.

@@ -28,9 +28,14 @@ pub struct AssessedTrims {
 /// that takes too much of the tolerance.
 pub fn assess_trims(faces: Vec<Face>, tolerance: f64) -> AssessedTrims {
     let assessed = faces.into_par_iter().map(|mut face| {
+        let replaced = |face: &Face| {
+            let bound = face.surface_bound();
+            (bound > TRIM_SHARE * tolerance).then(|| FaceReason::Replaced { entity: face.entity, bound }.into())
+        };
         if face.boundary.is_none() {
             let bound = trim_proof(&face, TRIM_AIM * tolerance).bound();
-            return (face, (bound, None));
+            let missed = replaced(&face);
+            return (face, (bound, missed));
         }
         if let Some(finer) = with_chords(&face, CHORDS_SHARE * tolerance) {
             face = finer;
@@ -39,8 +44,8 @@ pub fn assess_trims(faces: Vec<Face>, tolerance: f64) -> AssessedTrims {
         let proof = trim_proof(&face, TRIM_AIM * tolerance);
         let bound = proof.bound();
         face.set_trim_bound(bound.value());
-        let missed = (bound.value() > TRIM_SHARE * tolerance)
-            .then(|| FaceReason::Trim { entity: face.entity, edge: proof.edge(), bound: bound.value() }.into());
+        let trim = || FaceReason::Trim { entity: face.entity, edge: proof.edge(), bound: bound.value() }.into();
+        let missed = replaced(&face).or_else(|| (bound.value() > TRIM_SHARE * tolerance).then(trim));
         (face, (bound, missed))
     });
     let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = assessed.unzip();

@@ -13,7 +13,7 @@ mod pair;
 mod turn;
 
 use super::face::{Face, FacePart};
-use super::raw::SurfaceKind;
+use super::raw::{SurfaceDeviation, SurfaceKind};
 use super::trim::crease::creases;
 use crate::geom::Vec3;
 pub(crate) use options::JoinOptions;
@@ -288,7 +288,8 @@ fn named(group: Group, faces: &[Face]) -> Face {
     }
     let worst = |of: &dyn Fn(&Face) -> f64| members.iter().map(|&k| of(&faces[k])).fold(0.0, f64::max);
     face.trim_deviation_estimate = worst(&|f| f.trim_deviation_estimate);
-    face.surface_deviation_estimate = worst(&|f| f.surface_deviation_estimate);
+    face.surface_deviation =
+        members.iter().map(|&k| faces[k].surface_deviation).fold(SurfaceDeviation::NONE, SurfaceDeviation::max);
     // Joining begins with the polygons: what these miss of the file stays, edges go with the faces of the file.
     face.set_trim_bound(worst(&|f| f.trim_bound()));
     face.boundary = None;

@@ -166,11 +166,11 @@ fn face(raw: &RawFace, surface: Surface, loops: Vec<TrimLoop>, deviation: f64, b
         reversed: !raw.same_sense,
         loops,
         trim_deviation_estimate: deviation,
-        surface_deviation_estimate: raw.surface_deviation_estimate,
+        surface_deviation: raw.surface_deviation,
         parts: Vec::new(),
         joint_bound: 0.0,
         // Nothing is proven of a polygon that was laid by samples.
-        trim_bound: if boundary.is_some() { f64::INFINITY } else { 0.0 },
+        trim_bound: if boundary.is_some() { f64::INFINITY } else { raw.surface_deviation.bound },
         boundary: boundary.map(Shared::new),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{faces, TrimError};
 use crate::brep::area::area_estimate;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceKind};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation, SurfaceKind};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{Frame, Vec3};
@@ -31,7 +31,7 @@ fn raw(support: &SupportSurface, region: Region) -> RawFace {
         support: support.clone(),
         same_sense: true,
         region,
-        surface_deviation_estimate: 0.0,
+        surface_deviation: SurfaceDeviation::NONE,
         uncertainty: 0.0,
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::brep::face::Face;
 use crate::brep::raw::SurfaceKind;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::SupportSurface;
 use crate::brep::trim::faces;
@@ -46,7 +46,7 @@ fn raw(support: SupportSurface, kind: SurfaceKind, same_sense: bool, loops: Vec<
         support,
         same_sense,
         region: Region::Loops(loops),
-        surface_deviation_estimate: 0.0,
+        surface_deviation: SurfaceDeviation::NONE,
         uncertainty: 0.0,
     };
     let mut made = faces(&face, None).expect("a trimmed face");
@@ -275,7 +275,7 @@ fn raw_rectangle(support: SupportSurface, kind: SurfaceKind, sides: [(f64, f64);
         support,
         same_sense: true,
         region: Region::Rectangle(sides),
-        surface_deviation_estimate: 0.0,
+        surface_deviation: SurfaceDeviation::NONE,
         uncertainty: 0.0,
     };
     faces(&face, None).expect("a face").remove(0)

@@ -260,11 +260,19 @@ fn unproven(report: &Report) -> String {
         measured
             .push(format!("Lines and arcs of the flat outlines follow the exact outlines to {}.", millimetres(error)));
     }
-    let surface = report.faces.iter().filter_map(|f| f.surface_deviation_estimate).fold(0.0, f64::max);
+    let replaced = || report.faces.iter().filter(|f| f.surface_deviation_estimate.is_none_or(|seen| seen > 0.0));
+    let surface = replaced().filter_map(|f| f.surface_bound).fold(0.0, f64::max);
     if surface > 0.0 {
         measured.push(format!(
-            "Offset surfaces of the file were replaced by splines; these agree with them to {}.",
+            "Surfaces of the file were replaced by splines; how far these are from them, at most {} (proven), is part of every bound.",
             millimetres(surface),
+        ));
+    }
+    let seen = replaced().filter(|f| f.surface_bound.is_none()).filter_map(|f| f.surface_deviation_estimate);
+    if let Some(seen) = seen.reduce(f64::max) {
+        measured.push(format!(
+            "Surfaces of the file were replaced by splines of which nothing is proven; at samples they agree to {}.",
+            millimetres(seen),
         ));
     }
     let joined: usize = report.faces.iter().map(|f| f.joined.len()).sum();

@@ -7,7 +7,7 @@ use super::bytes::{fault, Cursor, Fault, Reading};
 use super::curves;
 use super::records;
 use super::surfaces;
-use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
+use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region, SurfaceDeviation};
 use crate::brep::space_curve::Arc;
 use crate::brep::support_surface::SupportSurface;
 use crate::spline::surface::Surface;
@@ -163,7 +163,7 @@ impl Brep {
             support: patch.support.clone(),
             same_sense: face.reversed == patch.flipped,
             region: Region::Loops(loops),
-            surface_deviation_estimate: 0.0,
+            surface_deviation: SurfaceDeviation::NONE,
             uncertainty,
         })
     }

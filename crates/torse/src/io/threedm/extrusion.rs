@@ -4,7 +4,7 @@ use super::bytes::{fault, Cursor, Reading};
 use super::curves;
 use super::records;
 use crate::brep::raw::SurfaceKind;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation};
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::SupportSurface;
@@ -202,5 +202,15 @@ impl Extrusion {
 
 fn raw(support: SupportSurface, kind: SurfaceKind, same_sense: bool, region: Region, uncertainty: f64) -> RawFace {
     let (name, part) = (String::new(), String::new());
-    RawFace { entity: 0, name, part, kind, support, same_sense, region, surface_deviation_estimate: 0.0, uncertainty }
+    RawFace {
+        entity: 0,
+        name,
+        part,
+        kind,
+        support,
+        same_sense,
+        region,
+        surface_deviation: SurfaceDeviation::NONE,
+        uncertainty,
+    }
 }

@@ -9,7 +9,7 @@ use super::extrusion;
 use super::records::{Object, Unit};
 use super::surfaces;
 use crate::answer::skipped::Skipped;
-use crate::brep::raw::{RawFace, Region};
+use crate::brep::raw::{RawFace, Region, SurfaceDeviation};
 use crate::io::model::unread;
 use std::collections::BTreeSet;
 
@@ -91,7 +91,7 @@ fn raw_faces(object: Object, unit: &Unit) -> Reading<Vec<Reading<RawFace>>> {
                 support: whole.support,
                 same_sense: !whole.flipped,
                 region: Region::Rectangle(whole.rectangle),
-                surface_deviation_estimate: 0.0,
+                surface_deviation: SurfaceDeviation::NONE,
                 uncertainty: unit.tolerance,
             })])
         }

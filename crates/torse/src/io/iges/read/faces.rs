@@ -91,7 +91,7 @@ impl Geometry<'_> {
             support: patch.support,
             same_sense: patch.same_sense,
             region,
-            surface_deviation_estimate: patch.deviation,
+            surface_deviation: patch.deviation,
             uncertainty: self.records.global.resolution / self.records.global.millimetres,
         };
         if asked.flipped {

@@ -1,6 +1,6 @@
 //! Surfaces with what their entities say of them.
 
-use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{SurfaceDeviation, SurfaceKind};
 use crate::brep::recast;
 use crate::brep::space_curve::SpaceCurve;
 use crate::brep::support_surface::SupportSurface;
@@ -18,7 +18,7 @@ pub(super) struct Patch {
     /// Rectangle of natural parameters, if the entity bounds it.
     pub rectangle: Option<[(f64, f64); 2]>,
     /// Distance from the file's surface where the support is an approximation.
-    pub deviation: f64,
+    pub deviation: SurfaceDeviation,
     /// How the parameters of the file become natural ones; `None` where curves in its parameter plane cannot be used.
     pub chart: Option<Chart>,
     /// The elementary surface that it is too, with other parameters.
@@ -64,7 +64,15 @@ impl Patch {
 
     /// A surface that is its support.
     pub fn exact(support: SupportSurface, kind: SurfaceKind) -> Self {
-        Self { support, kind, same_sense: true, rectangle: None, deviation: 0.0, chart: Some(Chart::SAME), round: None }
+        Self {
+            support,
+            kind,
+            same_sense: true,
+            rectangle: None,
+            deviation: SurfaceDeviation::NONE,
+            chart: Some(Chart::SAME),
+            round: None,
+        }
     }
 }
 

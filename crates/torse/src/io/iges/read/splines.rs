@@ -3,7 +3,7 @@
 use super::curves::{bernstein, evened, power_degree, range, without_excess};
 use super::patch::Patch;
 use super::records::{Entry, Fault};
-use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{SurfaceDeviation, SurfaceKind};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{BBox, Vec3};
 use crate::spline::knots::Knots;
@@ -13,7 +13,7 @@ use crate::spline::SplineError;
 /// Control points farther away than this are damage.
 const FARTHEST: f64 = 1e12;
 
-fn patch(surface: Surface, deviation: f64) -> Patch {
+fn patch(surface: Surface, deviation: SurfaceDeviation) -> Patch {
     let support = SupportSurface::Spline(SplineSupport::new(surface));
     Patch { deviation, ..Patch::exact(support, SurfaceKind::Spline) }
 }
@@ -50,7 +50,7 @@ pub(super) fn rational(e: &Entry) -> Result<Patch, Fault> {
     if far {
         return Err(Fault::new(e.number, format!("the surface D{} has coordinates that are absurd", e.number)));
     }
-    Ok(patch(surface, 0.0))
+    Ok(patch(surface, SurfaceDeviation::NONE))
 }
 
 /// A surface from homogeneous control points, rows along v; knots that occur too often are thinned where they can be.
@@ -138,8 +138,9 @@ pub(super) fn parametric(e: &Entry) -> Result<Patch, Fault> {
         .and_then(|ku| Ok((ku, Knots::new(q, v.knots, v.points.len() / (u.points.len() / nv))?)))
         .and_then(|(ku, kv)| Surface::new(ku, kv, &points, None))
         .map_err(|why| Fault::new(e.number, format!("parametric spline surface D{}: {why}", e.number)))?;
+    // A point of the surface is a mean of control points: it moves no more than they did.
     let deviation = gap + u.moved + v.moved;
-    Ok(patch(surface, if deviation > ROUNDED * size { deviation } else { 0.0 }))
+    Ok(patch(surface, SurfaceDeviation::proven(if deviation > ROUNDED * size { deviation } else { 0.0 })))
 }
 
 /// A net of points with its rows and columns exchanged; rows have `row` points.

@@ -7,7 +7,7 @@ use super::records::DEEPEST;
 use super::records::{Entry, Fault};
 use super::splines;
 use crate::brep::offset;
-use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{SurfaceDeviation, SurfaceKind};
 use crate::brep::recast;
 use crate::brep::ruled::Ruled;
 use crate::brep::space_curve::{Arc, SpaceCurve};
@@ -83,8 +83,8 @@ impl Geometry<'_> {
         let second = if e.integer(3)? == 1 { second.reversed() } else { second };
         let wrong = |why: SplineError| Fault::new(e.number, format!("ruled surface D{}: {why}", e.number));
         let ruled = Ruled::between(&first, &second, e.form == 0).map_err(wrong)?;
-        let deviation = ruled.deviation_estimate;
-        let chart = (deviation == 0.0).then_some(Chart::SAME);
+        let deviation = SurfaceDeviation::seen(ruled.deviation_estimate);
+        let chart = (deviation == SurfaceDeviation::NONE).then_some(Chart::SAME);
         if let Some(direction) = ruled.translation {
             let [directrix, _] = ruled.rails;
             let support = SupportSurface::Extrusion { directrix: SpaceCurve::Spline(directrix), direction };
@@ -131,7 +131,7 @@ impl Geometry<'_> {
         let distance = e.number(4)? * if side < 0.0 { -1.0 } else { 1.0 };
         let (support, deviation) = offset::of_support(&base.support, distance)
             .map_err(|why| Fault::new(e.number, format!("offset surface D{}: {why}", e.number)))?;
-        let deviation = base.deviation + deviation;
+        let deviation = deviation.over(base.deviation);
         Ok(Patch { support, kind: SurfaceKind::Offset, deviation, round: None, ..base })
     }
 

@@ -5,7 +5,7 @@ use super::records::{as_number, as_reference, Args, Fault};
 use super::token::Value;
 use super::units::Units;
 use crate::brep::offset;
-use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{SurfaceDeviation, SurfaceKind};
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
@@ -27,14 +27,14 @@ pub(super) struct Patch {
     /// Rectangle of natural parameters, if the definition bounds it.
     pub rectangle: Option<[(f64, f64); 2]>,
     /// Distance from the file's surface where the support is an approximation, mm.
-    pub deviation: f64,
+    pub deviation: SurfaceDeviation,
     /// Whether the support has other natural parameters than the definition.
     pub recast: bool,
 }
 
 impl Patch {
     fn exact(support: SupportSurface, kind: SurfaceKind) -> Self {
-        Self { support, kind, same_sense: true, rectangle: None, deviation: 0.0, recast: false }
+        Self { support, kind, same_sense: true, rectangle: None, deviation: SurfaceDeviation::NONE, recast: false }
     }
 
     /// Factors from the parameters that files state to natural ones.
@@ -108,7 +108,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
                 let (support, deviation) = offset::of_support(&base.support, distance)
                     .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
-                Ok(Patch { support, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
+                Ok(Patch { support, kind: SurfaceKind::Offset, deviation: deviation.over(base.deviation), ..base })
             }
             "RECTANGULAR_TRIMMED_SURFACE" => self.rectangle_of(self.surface(a.reference(1)?, depth + 1)?, &a),
             "CURVE_BOUNDED_SURFACE" => self.surface(a.reference(1)?, depth + 1),

@@ -106,7 +106,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
             support: patch.support,
             same_sense: patch.same_sense,
             region,
-            surface_deviation_estimate: patch.deviation,
+            surface_deviation: patch.deviation,
             uncertainty: self.units.uncertainty,
         }
     }

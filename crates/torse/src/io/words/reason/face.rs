@@ -41,6 +41,14 @@ pub(super) fn words(reason: &FaceReason, why: fn(&Reason) -> String) -> String {
             let far = length_bound(*bound);
             format!("face #{entity}: the trim is only proven to keep to the file's edges within {far} (edge #{edge})")
         }
+        FaceReason::Replaced { entity, bound } if bound.is_finite() => {
+            let far = length_bound(*bound);
+            format!("face #{entity}: its surface is read as a spline, which is only proven to keep to that of the file within {far}")
+        }
+        FaceReason::Replaced { entity, .. } => format!(
+            "face #{entity}: its surface is read as a spline, and how far this is from that of the file is measured, not proven; \
+             export the face as a spline surface"
+        ),
         FaceReason::NoPanel { error, at } => {
             let place = at.map_or(String::new(), |at| format!(" at {}", place_in_words(&at)));
             format!("a region has no panel: {}{place}", why(error))
