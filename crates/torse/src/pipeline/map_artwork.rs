@@ -64,7 +64,7 @@ pub fn read_map(
             };
             let atlas = chosen.or(found.first()).cloned().ok_or_else(|| named("it has no panels".into()))?;
             let mut bounds = BBox::empty();
-            for b in atlas.sheets.iter().map(|s| s.panel.surface.bbox()) {
+            for b in atlas.panels.iter().map(|s| s.panel.surface.bbox()) {
                 bounds.include(&b.min);
                 bounds.include(&b.max);
             }
