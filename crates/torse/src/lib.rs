@@ -16,6 +16,8 @@
 //! | [`planarise()`] | [`Planarise`] | a strip of quadrilaterals | plane ones |
 //! | [`ruled()`] | [`RuledOptions`] | faces of a CAD model | ruled strips, not developable |
 //! | [`unroll()`] | [`UnrollOptions`] | bodies of sheet, developable faces | flat patterns |
+//! | [`refold()`](pipeline::refold::refold) | | a folder of a result | its parts bent back and compared with the panels |
+//! | [`read_map`](pipeline::map_artwork::read_map) | | a folder of a result | points and curves between panels and patterns |
 //!
 //! ```no_run
 //! let model = torse::read(&std::fs::read("hull.step")?)?;

@@ -131,6 +131,14 @@ fn around(
 ///
 /// # Errors
 /// See [`ElementFitError`].
+///
+/// # Example
+/// ```
+/// let pipe = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let options = torse::ElementFitOptions { rulings_of_face: 24, ..torse::ElementFitOptions::new(0.5, "pipe") };
+/// assert!(torse::fit_faces(&pipe.faces, &[], &options, &torse::Control::default())?.patchwork.panels.len() > 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit_faces(
     faces: &[Face],
     skipped: &[Skipped],

@@ -35,6 +35,17 @@ pub enum MapError {
 ///
 /// # Errors
 /// See [`MapError`].
+///
+/// # Example
+/// ```
+/// let bracket = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// let mut answer = torse::unroll(&bracket, &torse::UnrollOptions::new(0.1), &torse::Control::default())?;
+/// let files = torse::files(&mut answer, "2026-01-31T12:00:00")?;
+/// let file = |name: &str| files.iter().find(|f| f.0 == name).map(|f| f.1.clone());
+/// let map = torse::pipeline::map_artwork::read_map(&file, None, None)?;
+/// assert_eq!((map.parts.len(), map.within), (1, 0.1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_map(
     file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync),
     part: Option<&str>,
@@ -64,7 +75,7 @@ pub fn read_map(
             };
             let atlas = chosen.or(found.first()).cloned().ok_or_else(|| named("it has no panels".into()))?;
             let mut bounds = BBox::empty();
-            for b in atlas.sheets.iter().map(|s| s.panel.surface.bbox()) {
+            for b in atlas.panels.iter().map(|s| s.panel.surface.bbox()) {
                 bounds.include(&b.min);
                 bounds.include(&b.max);
             }

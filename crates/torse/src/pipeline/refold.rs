@@ -62,6 +62,17 @@ pub struct RefoldAnswer {
 ///
 /// # Errors
 /// See [`FolderError`]; what concerns single parts stands in the answer.
+///
+/// # Example
+/// ```
+/// let bracket = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// let mut answer = torse::unroll(&bracket, &torse::UnrollOptions::new(0.1), &torse::Control::default())?;
+/// let files = torse::files(&mut answer, "2026-01-31T12:00:00")?;
+/// let file = |name: &str| files.iter().find(|f| f.0 == name).map(|f| f.1.clone());
+/// let back = torse::pipeline::refold::refold(&file, &torse::Control::default())?;
+/// assert_eq!((back.parts.len(), back.left.len()), (1, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync), control: &Control) -> Result<RefoldAnswer, FolderError> {
     let folder = read(file)?;
     let in_space = panels(file, &folder.report.job);

@@ -85,6 +85,15 @@ pub fn offers(model: &Model) -> Vec<Note> {
 ///
 /// # Errors
 /// Faces and parts that are not there.
+///
+/// # Example
+/// ```
+/// use torse::pipeline::select::{selected, Selection};
+/// let model = torse::read(include_bytes!("../../../../data/cone_holes.step"))?;
+/// let faces = vec![model.faces[0].entity];
+/// assert_eq!(selected(model, &Selection { faces, ..Selection::default() })?.faces.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectError> {
     if *selection == Selection::default() {
         return Ok(model);

@@ -30,6 +30,16 @@ use rayon::prelude::*;
 ///
 /// # Errors
 /// See `WorkshopError`.
+///
+/// # Example
+/// ```
+/// use torse::pipeline::workshop::{prepare, WorkshopOptions};
+/// let pipe = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let mut answer = torse::approximate(&pipe, &torse::Approximate::new(0.5))?;
+/// prepare(&mut answer, &WorkshopOptions { thickness: Some(2.0), ..WorkshopOptions::default() })?;
+/// assert_eq!(answer.shop.thickness, Some(2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), WorkshopError> {
     if let Some(t) = options.thickness.filter(|t| !(*t > 0.0 && t.is_finite())) {
         return Err(WorkshopError::Thickness(t));

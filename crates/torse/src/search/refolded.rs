@@ -89,35 +89,35 @@ pub(crate) fn distance_bounds(
     (atlas, motion): (&Atlas, &Placement),
     control: &Control,
 ) -> Vec<PanelBound> {
-    let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
+    let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.panels.len()];
     let assessed = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
         let all = stretches(part, leaf, &ribbon, atlas);
-        let one = |(range, sheet): (Range<usize>, usize)| {
+        let one = |(range, panel): (Range<usize>, usize)| {
             let going = if control.stopped() { Err(NotRefolded::Stopped) } else { Ok(()) };
-            (sheet, going.and_then(|()| assessed(part, (leaf, &ribbon), (range, control), (atlas, sheet))))
+            (panel, going.and_then(|()| assessed(part, (leaf, &ribbon), (range, control), (atlas, panel))))
         };
         all.into_par_iter().map(one).collect()
     };
     let leaves: Vec<&Leaf> = refolded.leaves.iter().filter(|l| !l.is_taken_up()).collect();
-    for (sheet, one) in leaves.into_par_iter().map(assessed).collect::<Vec<_>>().into_iter().flatten() {
+    for (panel, one) in leaves.into_par_iter().map(assessed).collect::<Vec<_>>().into_iter().flatten() {
         // A panel in two places has no one border.
-        found[sheet] = Some(if found[sheet].is_some() { Err(NotRefolded::Several) } else { one });
+        found[panel] = Some(if found[panel].is_some() { Err(NotRefolded::Several) } else { one });
     }
-    let named = |(found, sheet): (Option<_>, &PlacedPanel)| PanelBound {
-        name: sheet.panel.name.clone(),
+    let named = |(found, panel): (Option<_>, &PlacedPanel)| PanelBound {
+        name: panel.panel.name.clone(),
         found: found.unwrap_or(Err(NotRefolded::None)),
     };
-    found.into_iter().zip(&atlas.sheets).map(named).collect()
+    found.into_iter().zip(&atlas.panels).map(named).collect()
 }
 
 /// Places on the rulings at which panels begin and end, where there are several, and at which their patches are less than C¹.
 fn joints(ribbon: &Ribbon, atlas: &Atlas) -> Vec<f64> {
     let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
-    let several = atlas.sheets.len() > 1 && ribbon.spans.len() > 1;
+    let several = atlas.panels.len() > 1 && ribbon.spans.len() > 1;
     let mut places = Vec::new();
-    for (sheet, s) in atlas.sheets.iter().enumerate() {
-        let on = |uv: [f64; 2]| OnPanel { sheet, uv, off: 0.0 };
+    for (panel, s) in atlas.panels.iter().enumerate() {
+        let on = |uv: [f64; 2]| OnPanel { panel, uv, off: 0.0 };
         if several {
             // In the middle of their sides: a corner may be the tip in which many rulings meet.
             let corners = &s.panel.corners;
@@ -180,16 +180,16 @@ struct Tip {
 
 impl Tip {
     /// Where all rulings of a part on a panel meet, if they do so at an end of the panel.
-    fn of(size: f64, ribbon: &Ribbon, atlas: &Atlas, sheet: usize) -> Option<Self> {
+    fn of(size: f64, ribbon: &Ribbon, atlas: &Atlas, panel: usize) -> Option<Self> {
         let meet = |s: &Span| {
             let (pose, rates) = (&s.flat, &s.in_plane);
             pose.at.xy() - pose.ruling().xy() * (rates.across / rates.spin)
         };
         let at = meet(ribbon.spans.get(ribbon.spans.len() / 2)?);
         let all = ribbon.spans.iter().all(|s| (meet(s) - at).norm() <= ONE_POINT * size);
-        let corners = atlas.sheets[sheet].panel.loops.iter().flatten();
+        let corners = atlas.panels[panel].panel.loops.iter().flatten();
         // Panels end a hair before their tips.
-        let hair = corners.map(|uv| (atlas.flat(&OnPanel { sheet, uv: *uv, off: 0.0 }) - at).norm());
+        let hair = corners.map(|uv| (atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 }) - at).norm());
         let around = (ROOM * hair.fold(f64::INFINITY, f64::min)).max(ONE_POINT * size);
         (all && around < SHORT * size).then_some(Self { at, around })
     }
@@ -305,14 +305,14 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Pi
 /// Ranges of spans with the panel that each belongs to.
 fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<(Range<usize>, usize)> {
     let n = ribbon.spans.len();
-    let of = |q: &Vec2| atlas.from_flat(q).map(|on| on.sheet);
+    let of = |q: &Vec2| atlas.from_flat(q).map(|on| on.panel);
     let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
-    if atlas.sheets.len() == 1 {
+    if atlas.panels.len() == 1 {
         return vec![(0..n, 0)];
     }
     if !turns || n == 1 {
         // A plane: what most of it lies on.
-        let mut votes = vec![0usize; atlas.sheets.len()];
+        let mut votes = vec![0usize; atlas.panels.len()];
         let own = samples(&FlatPart { loops: leaf.loops.clone(), ..part.clone() });
         for q in own.iter().filter(|q| inside(&leaf.loops, q)) {
             of(q).into_iter().for_each(|k| votes[k] += 1);
@@ -325,20 +325,20 @@ fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Ve
     let wide = |s: &Span| s.in_plane.across != 0.0 || s.in_plane.spin != 0.0;
     for (k, s) in ribbon.spans.iter().enumerate().filter(|(_, s)| wide(s)) {
         let middle = s.flat.moved(&s.in_plane, 0.5).point(0.5 * (s.reach[0] + s.reach[1]), 0.0).xy();
-        let sheet = of(&middle).or(out.last().map(|o| o.1)).unwrap_or(0);
+        let panel = of(&middle).or(out.last().map(|o| o.1)).unwrap_or(0);
         match out.last_mut() {
-            Some(last) if last.1 == sheet => last.0.end = k + 1,
-            _ => out.push((k..k + 1, sheet)),
+            Some(last) if last.1 == panel => last.0.end = k + 1,
+            _ => out.push((k..k + 1, panel)),
         }
     }
     out
 }
 
 /// The part of a region that lies on a range of spans: cut off along its first and last ruling, between corners of the panel.
-fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, sheet): (&Atlas, usize)) -> Vec<Vec<Vec2>> {
+fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, panel): (&Atlas, usize)) -> Vec<Vec<Vec2>> {
     let (lo, hi) = bounds(&leaf.loops);
     let near = ON_RULING * (hi - lo).norm();
-    let corners = atlas.sheets[sheet].panel.corners.iter().map(|uv| atlas.flat(&OnPanel { sheet, uv: *uv, off: 0.0 }));
+    let corners = atlas.panels[panel].panel.corners.iter().map(|uv| atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 }));
     let corners: Vec<Vec2> = corners.collect();
     let mut chords = Vec::new();
     let ends = [(range.start, range.start > 0), (range.end, range.end < ribbon.spans.len())];
@@ -375,16 +375,16 @@ fn assessed(
     part: &FlatPart,
     (leaf, ribbon): (&Leaf, &Ribbon),
     (range, control): (Range<usize>, &Control),
-    (atlas, sheet): (&Atlas, usize),
+    (atlas, panel): (&Atlas, usize),
 ) -> Result<UpperBound, NotRefolded> {
-    let loops = between(leaf, ribbon, &range, (atlas, sheet));
+    let loops = between(leaf, ribbon, &range, (atlas, panel));
     let ribbon = Ribbon { spans: ribbon.spans[range].to_vec() };
-    let tip = Tip::of(part.size(), &ribbon, atlas, sheet);
+    let tip = Tip::of(part.size(), &ribbon, atlas, panel);
     let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
     let lines = lines.ok_or(NotRefolded::Beyond)?;
     let spans = &ribbon.spans[..];
-    let places = places(spans, &lines, (atlas, sheet), tip.as_ref());
-    let panel = &atlas.sheets[sheet].panel;
+    let places = places(spans, &lines, (atlas, panel), tip.as_ref());
+    let panel = &atlas.panels[panel].panel;
     // Borders are compared where both directions of the patch are about as long as in space.
     let ((u0, u1), (v0, v1)) = panel.surface.domain();
     let jet = panel.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
@@ -508,7 +508,7 @@ fn nearest(polygon: &[Vec2], q: &Vec2) -> (f64, f64) {
 const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Where the rulings of spans are on their panel: by the flat image of two of their points.
-fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize), tip: Option<&Tip>) -> Vec<Along> {
+fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, panel): (&Atlas, usize), tip: Option<&Tip>) -> Vec<Along> {
     let n = spans.len();
     let (mut reach, mut beside) = (vec![NOTHING; n + 1], vec![NOTHING; n + 1]);
     for p in lines.iter().flatten() {
@@ -541,7 +541,7 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize),
             let far = if (a - t).abs() > (b - t).abs() { a } else { b };
             (a, b) = (far, 0.5 * (far + t));
         }
-        let [p, q] = [a, b].map(|v| atlas.on_sheet(sheet, &pose.point(v, 0.0).xy()));
+        let [p, q] = [a, b].map(|v| atlas.on_panel(panel, &pose.point(v, 0.0).xy()));
         let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
         Along { at: [0, 1].map(|d: usize| p[d] - slope[d] * a), slope }
     };

@@ -20,7 +20,7 @@ use crate::torse::rail::{jet, Rail, RailPart};
 use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
-/// Knobs of [`follow`] and [`along`].
+/// Knobs of [`follow`] and `strips_along_path`.
 #[derive(Clone, Copy, Debug)]
 pub struct BuildOptions {
     /// Distance that fitted rails may stray from the given ones at equal parameters, mm; no default.

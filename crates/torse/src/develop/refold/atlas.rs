@@ -102,7 +102,7 @@ impl BorderPiece {
 #[derive(Clone, Debug)]
 pub struct Atlas {
     /// The panels.
-    pub sheets: Vec<PlacedPanel>,
+    pub panels: Vec<PlacedPanel>,
     mirrored: bool,
     motion: Motion,
     /// Largest distance (mm) between corners of the panels and those of the outline as drawn; of the outline's joints from
@@ -114,7 +114,7 @@ pub struct Atlas {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnPanel {
     /// Index of the panel in the atlas.
-    pub sheet: usize,
+    pub panel: usize,
     /// Parameters on its patch.
     pub uv: [f64; 2],
     /// Distance (mm) of what was asked for from this place, in space or in the plane.
@@ -360,7 +360,7 @@ impl Atlas {
     /// # Errors
     /// Patches that are not regular, panels that share no ruling with those before them.
     pub fn developed(panels: Vec<PanelPatch>, beside: f64) -> Result<Self, AtlasError> {
-        let mut sheets: Vec<PlacedPanel> = Vec::new();
+        let mut placed: Vec<PlacedPanel> = Vec::new();
         let size = panels.iter().map(|p| p.surface.bbox().diagonal()).fold(0.0, f64::max);
         for panel in panels {
             let map = |side: f64| {
@@ -370,14 +370,14 @@ impl Atlas {
                 };
                 Development::offset(&panel.surface, side, beside).map(|d| Map::Developed(Box::new(d))).map_err(fault)
             };
-            if sheets.is_empty() {
+            if placed.is_empty() {
                 let map = map(1.0)?;
-                sheets.push(PlacedPanel::new(panel, map, Motion::identity()));
+                placed.push(PlacedPanel::new(panel, map, Motion::identity()));
                 continue;
             }
-            let joint = sheets.iter().enumerate().rev().find_map(|(k, s)| Some((k, common(&s.panel, &panel, size)?)));
+            let joint = placed.iter().enumerate().rev().find_map(|(k, s)| Some((k, common(&s.panel, &panel, size)?)));
             let Some((k, [there, here])) = joint else { return Err(AtlasError::Apart(panel.name)) };
-            let to = there.map(|uv| sheets[k].own_flat(uv));
+            let to = there.map(|uv| placed[k].own_flat(uv));
             let across = |s: &PlacedPanel| {
                 let l: Vec<Vec2> = s.flat.iter().flatten().copied().collect();
                 (to[1] - to[0]).perp(&(l.iter().sum::<Vec2>() / l.len() as f64 - to[0]))
@@ -385,18 +385,18 @@ impl Atlas {
             // Seen from the same side the neighbours lie on both sides of the ruling.
             let mut laid = None;
             for side in [1.0, -1.0] {
-                let sheet = PlacedPanel::new(panel.clone(), map(side)?, Motion::identity());
-                let from = here.map(|uv| sheet.own_flat(uv));
+                let one = PlacedPanel::new(panel.clone(), map(side)?, Motion::identity());
+                let from = here.map(|uv| one.own_flat(uv));
                 let Some(own) = Motion::between(from, to) else { continue };
-                let sheet = PlacedPanel::new(panel.clone(), sheet.map, own);
-                if across(&sheet) * across(&sheets[k]) < 0.0 {
-                    laid = Some(sheet);
+                let one = PlacedPanel::new(panel.clone(), one.map, own);
+                if across(&one) * across(&placed[k]) < 0.0 {
+                    laid = Some(one);
                     break;
                 }
             }
-            sheets.push(laid.ok_or(AtlasError::Apart(panel.name))?);
+            placed.push(laid.ok_or(AtlasError::Apart(panel.name))?);
         }
-        Self::of(sheets)
+        Self::of(placed)
     }
 
     /// Faces of one sheet, with the thickness (mm, 0 for surfaces) of every one below the skin given, or as the side of a sheet, laid
@@ -422,17 +422,17 @@ impl Atlas {
         if let Some(f) = pieces.next().and_then(|p| p.faces.first().map(|f| &faces[f.face])) {
             return Err(AtlasError::Apart(f.name.clone()));
         }
-        let sheets = piece
+        let placed = piece
             .faces
             .into_iter()
             .map(|p| PlacedPanel::new(of_face(&faces[p.face]), Map::Charted(Box::new(p.chart)), p.motion));
-        Self::of(sheets.collect())
+        Self::of(placed.collect())
     }
 
-    fn of(sheets: Vec<PlacedPanel>) -> Result<Self, AtlasError> {
-        match sheets.is_empty() {
+    fn of(panels: Vec<PlacedPanel>) -> Result<Self, AtlasError> {
+        match panels.is_empty() {
             true => Err(AtlasError::Empty),
-            false => Ok(Self { sheets, mirrored: false, motion: Motion::identity(), alignment: f64::NAN }),
+            false => Ok(Self { panels, mirrored: false, motion: Motion::identity(), alignment: f64::NAN }),
         }
     }
 
@@ -453,12 +453,12 @@ impl Atlas {
 
     /// Place in the drawing of a place on a panel.
     pub fn flat(&self, on: &OnPanel) -> Vec2 {
-        self.moved(&self.sheets[on.sheet].own_flat(on.uv))
+        self.moved(&self.panels[on.panel].own_flat(on.uv))
     }
 
     /// Place in space of a place on a panel.
     pub fn space(&self, on: &OnPanel) -> Vec3 {
-        self.sheets[on.sheet].panel.surface.point(on.uv[0], on.uv[1])
+        self.panels[on.panel].panel.surface.point(on.uv[0], on.uv[1])
     }
 
     /// The place on the panels of a point of the drawing: on the panel whose region holds it, else on the nearest one.
@@ -466,28 +466,28 @@ impl Atlas {
         let own = self.moved_back(q);
         let size = self.size();
         let order = |s: &PlacedPanel| if inside(&s.flat, &own) { 0.0 } else { distance(&s.flat, &own) };
-        let mut near: Vec<(f64, usize)> = self.sheets.iter().map(order).zip(0..).collect();
+        let mut near: Vec<(f64, usize)> = self.panels.iter().map(order).zip(0..).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (_, sheet) = *near.first()?;
-        let (uv, off) = self.sheets[sheet].inverse(&own, size);
-        Some(OnPanel { sheet, uv, off })
+        let (_, panel) = *near.first()?;
+        let (uv, off) = self.panels[panel].inverse(&own, size);
+        Some(OnPanel { panel, uv, off })
     }
 
     /// Parameters on a panel of a point of the drawing, beyond its edges too.
-    pub(crate) fn on_sheet(&self, sheet: usize, q: &Vec2) -> [f64; 2] {
-        self.sheets[sheet].inverse(&self.moved_back(q), self.size()).0
+    pub(crate) fn on_panel(&self, panel: usize, q: &Vec2) -> [f64; 2] {
+        self.panels[panel].inverse(&self.moved_back(q), self.size()).0
     }
 
     /// The nearest place on the panels of a point in space, within their edges.
     pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
         let mut best: Option<OnPanel> = None;
-        for (sheet, s) in self.sheets.iter().enumerate() {
+        for (panel, s) in self.panels.iter().enumerate() {
             let mut starts: Vec<(f64, [f64; 2])> =
                 s.seeds.iter().map(|(uv, _)| ((s.panel.surface.point(uv[0], uv[1]) - x).norm_squared(), *uv)).collect();
             starts.sort_by(|a, b| a.0.total_cmp(&b.0));
             let mut offer = |uv: [f64; 2], off: f64| {
                 if best.is_none_or(|b| off < b.off) {
-                    best = Some(OnPanel { sheet, uv, off });
+                    best = Some(OnPanel { panel, uv, off });
                 }
             };
             for (_, start) in starts.iter().take(3) {
@@ -511,7 +511,7 @@ impl Atlas {
 
     fn size(&self) -> f64 {
         let (lo, hi) = self
-            .sheets
+            .panels
             .iter()
             .map(|s| bounds(&s.flat))
             .fold((Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)), |(l, h), (a, b)| {
@@ -526,7 +526,7 @@ impl Atlas {
     /// Outlines that do not fit in any way.
     pub fn aligned(&self, part: &FlatPart) -> Result<Vec<Self>, AtlasError> {
         let size = part.size();
-        let own: Vec<Vec<Vec2>> = self.sheets.iter().flat_map(|s| s.flat.clone()).collect();
+        let own: Vec<Vec<Vec2>> = self.panels.iter().flat_map(|s| s.flat.clone()).collect();
         let there = Moments::of(&part.loops, &vec![1.0; part.loops.len()]);
         // Few corners fit in many ways, and those of parts without a direction too, as on the rim of a cone laid flat: then points of
         // the outline count.
@@ -541,7 +541,7 @@ impl Atlas {
             let flip = |p: &Vec2| if mirrored { Vec2::new(-p.x, p.y) } else { *p };
             let loops: Vec<Vec<Vec2>> = own.iter().map(|l| l.iter().map(flip).collect()).collect();
             let weights: Vec<f64> = self
-                .sheets
+                .panels
                 .iter()
                 .flat_map(|s| {
                     let sign = s.flat.iter().map(|l| area(l)).sum::<f64>().signum() * if mirrored { -1.0 } else { 1.0 };
@@ -604,8 +604,8 @@ impl Atlas {
             }
         }
         // Where all fit alike, the outline begins where the first panel's does.
-        let first = |a: &Self| match (a.sheets[0].panel.corners.first(), part.joints.first().and_then(|j| j.first())) {
-            (Some(uv), Some(j)) => (a.flat(&OnPanel { sheet: 0, uv: *uv, off: 0.0 }) - j).norm(),
+        let first = |a: &Self| match (a.panels[0].panel.corners.first(), part.joints.first().and_then(|j| j.first())) {
+            (Some(uv), Some(j)) => (a.flat(&OnPanel { panel: 0, uv: *uv, off: 0.0 }) - j).norm(),
             _ => 0.0,
         };
         out.sort_by(|a, b| first(a).total_cmp(&first(b)));
@@ -617,7 +617,7 @@ impl Atlas {
         let mut pairs: Vec<(Vec2, Vec2)> = Vec::new();
         let mut tips: Vec<(Vec2, Vec2)> = Vec::new();
         let short = BESIDE_TIP * self.size();
-        for s in &self.sheets {
+        for s in &self.panels {
             let corners: Vec<Vec2> = s.panel.corners.iter().map(|uv| s.own_flat(*uv)).collect();
             let beside = |p: &Vec2| corners.iter().filter(|q| (*q - p).norm() <= short).count() > 1;
             for corner in &corners {

@@ -68,7 +68,7 @@ pub(crate) fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Op
     let mean = (pairs.iter().map(|p| off(p).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt();
     let back = motion.inverse()?;
     let nearest = pairs.par_iter().map(|(q, x, on, y)| {
-        let there = refine(&atlas.sheets[on.sheet].panel.surface, &motion.point(x), on.uv).distance;
+        let there = refine(&atlas.panels[on.panel].panel.surface, &motion.point(x), on.uv).distance;
         there.max(to_refolded(refolded, q, &back.point(y)))
     });
     Some(Comparison {

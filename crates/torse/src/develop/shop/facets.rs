@@ -68,10 +68,10 @@ fn kinks(laid: &Laid, pattern: &Pattern) -> Vec<Kink> {
     for (line, [a, b]) in pattern.rulings.iter().enumerate() {
         let bend = pattern.bend(line);
         let Some(spot) = laid.spot(&((a + b) * 0.5)) else { continue };
-        let (first, last) = laid.range(spot.sheet);
+        let (first, last) = laid.range(spot.panel);
         let size = last - first;
         match out.last_mut() {
-            Some(k) if k.ruling.sheet == spot.sheet && (k.ruling.t - spot.t).abs() <= ONE_LINE * size => {
+            Some(k) if k.ruling.panel == spot.panel && (k.ruling.t - spot.t).abs() <= ONE_LINE * size => {
                 k.lines[1] = line;
                 k.length = (b - pattern.rulings[k.lines[0]][0]).norm();
             }
@@ -106,7 +106,7 @@ fn kinks(laid: &Laid, pattern: &Pattern) -> Vec<Kink> {
 
 /// A fold: what lies beyond it is moved by the motion.
 struct Folded {
-    sheet: usize,
+    panel: usize,
     t: f64,
     motion: Placement,
 }
@@ -116,13 +116,13 @@ fn folded(laid: &Laid, kinks: &[Kink]) -> Option<Vec<Folded>> {
     let mut motion = Placement::identity();
     let mut out = Vec::with_capacity(kinks.len());
     for k in kinks {
-        let [a, b] = laid.ruling(k.ruling.sheet, k.ruling.t);
+        let [a, b] = laid.ruling(k.ruling.panel, k.ruling.t);
         let along = (b - a).try_normalize(0.0)?;
         // Onwards: towards the rulings that follow, or away from those before.
-        let (lo, hi) = laid.range(k.ruling.sheet);
+        let (lo, hi) = laid.range(k.ruling.panel);
         let next = if k.ruling.t < 0.5 * (lo + hi) { (hi, 1.0) } else { (lo, -1.0) };
         let middle = |t: f64| {
-            let [a, b] = laid.ruling(k.ruling.sheet, t);
+            let [a, b] = laid.ruling(k.ruling.panel, t);
             (a + b) * 0.5
         };
         let ahead = (middle(k.ruling.t + (next.0 - k.ruling.t) * STEP) - middle(k.ruling.t)) * next.1;
@@ -134,7 +134,7 @@ fn folded(laid: &Laid, kinks: &[Kink]) -> Option<Vec<Folded>> {
         let foot = Vec3::new(a.x, a.y, 0.0);
         let own = Placement { linear: *turn.matrix(), shift: foot - turn * foot };
         motion = motion.after(&own);
-        out.push(Folded { sheet: k.ruling.sheet, t: k.ruling.t, motion });
+        out.push(Folded { panel: k.ruling.panel, t: k.ruling.t, motion });
     }
     Some(out)
 }
@@ -151,7 +151,7 @@ fn displacement(laid: &Laid, pattern: &Pattern, kinks: &[Kink]) -> f64 {
         .into_iter()
         .filter_map(|q| {
             let spot = laid.spot(&q)?;
-            let before = folds.partition_point(|f| (f.sheet, f.t) < (spot.sheet, spot.t));
+            let before = folds.partition_point(|f| (f.panel, f.t) < (spot.panel, spot.t));
             let here = Vec3::new(q.x, q.y, 0.0);
             let there = before.checked_sub(1).map_or(here, |k| folds[k].motion.point(&here));
             Some((there, laid.space(&spot)))

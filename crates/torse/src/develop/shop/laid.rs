@@ -36,7 +36,7 @@ const OVER: f64 = 0.02;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// Index of the panel within the part.
-    pub sheet: usize,
+    pub panel: usize,
     /// Parameter of the ruling.
     pub t: f64,
     /// Share of the way along the ruling of the patch, in space and in the plane alike.
@@ -63,7 +63,7 @@ struct MappedPanel<'a> {
 
 /// A part with its maps.
 pub struct Laid<'a> {
-    sheets: Vec<MappedPanel<'a>>,
+    panels: Vec<MappedPanel<'a>>,
     mirrored: bool,
     size: f64,
 }
@@ -80,9 +80,9 @@ impl<'a> Laid<'a> {
         let sides = if trimmed { &[1.0][..] } else { &[1.0, -1.0][..] };
         let mut fallback = None;
         for (side, mirrored) in sides.iter().flat_map(|s| [(*s, false), (*s, true)]) {
-            let (sheets, corners) =
+            let (panels, corners) =
                 if trimmed { Self::trimmed(patchwork, &panels[0])? } else { Self::chain(panels, part.first, side)? };
-            let laid = Self { sheets, mirrored, size };
+            let laid = Self { panels, mirrored, size };
             if !laid.fits(&pattern.rulings) {
                 continue;
             }
@@ -106,8 +106,8 @@ impl<'a> Laid<'a> {
             return None;
         }
         let (patch, range) = (&panel.strip.patch, ClippedRulings::new(panel).range());
-        let sheet = MappedPanel::new(patch, Image::Charted(chart), patch.knots_u.domain(), range, STATIONS.0);
-        let laid = Self { sheets: vec![sheet], mirrored: false, size: pattern.length.max(pattern.area.sqrt()) };
+        let panel = MappedPanel::new(patch, Image::Charted(chart), patch.knots_u.domain(), range, STATIONS.0);
+        let laid = Self { panels: vec![panel], mirrored: false, size: pattern.length.max(pattern.area.sqrt()) };
         pattern.rulings.iter().all(|[a, b]| laid.spot(&((a + b) * 0.5)).is_some()).then_some(laid)
     }
 
@@ -130,20 +130,20 @@ impl<'a> Laid<'a> {
         let end = last.strip.domain().1;
         let corners = vec![first.map(first.strip.domain().0, 0.0), last.map(end, 0.0), last.map(end, 1.0)];
         let each = STATIONS.0.div_ceil(laid.len());
-        let sheets = laid.into_iter().map(|l| {
+        let panels = laid.into_iter().map(|l| {
             let (turn, shift) = l.motion();
             let domain = l.development.domain();
             let image = Image::Developed(Box::new(l.development), Motion { turn, shift });
             MappedPanel::new(&l.strip.patch, image, domain, l.strip.domain(), each)
         });
-        Some((sheets.collect(), corners))
+        Some((panels.collect(), corners))
     }
 
     /// Whether lines drawn are rulings, and run as these do.
     fn fits(&self, lines: &[[Vec2; 2]]) -> bool {
         lines.iter().all(|[a, b]| {
             let Some(spot) = self.spot(&((a + b) * 0.5)) else { return false };
-            let [c, d] = self.ruling(spot.sheet, spot.t);
+            let [c, d] = self.ruling(spot.panel, spot.t);
             let (v, w) = (b - a, d - c);
             v.dot(&w) > 0.0 && v.perp(&w).abs() <= PARALLEL * v.norm() * w.norm()
         })
@@ -160,12 +160,12 @@ impl<'a> Laid<'a> {
 
     /// Number of panels.
     pub fn len(&self) -> usize {
-        self.sheets.len()
+        self.panels.len()
     }
 
     /// Whether there is no panel.
     pub fn is_empty(&self) -> bool {
-        self.sheets.is_empty()
+        self.panels.is_empty()
     }
 
     /// Size of the part, mm.
@@ -174,46 +174,46 @@ impl<'a> Laid<'a> {
     }
 
     /// The patch of a panel.
-    pub fn patch(&self, sheet: usize) -> &'a Surface {
-        self.sheets[sheet].patch
+    pub fn patch(&self, panel: usize) -> &'a Surface {
+        self.panels[panel].patch
     }
 
     /// Parameters of the rulings of a panel between which its maps are smooth and steps small, rising.
-    pub fn stations(&self, sheet: usize) -> impl Iterator<Item = f64> + '_ {
-        self.sheets[sheet].rows.iter().map(|r| r.0)
+    pub fn stations(&self, panel: usize) -> impl Iterator<Item = f64> + '_ {
+        self.panels[panel].rows.iter().map(|r| r.0)
     }
 
     /// The rulings at which a panel begins and ends.
-    pub fn range(&self, sheet: usize) -> (f64, f64) {
-        self.sheets[sheet].range
+    pub fn range(&self, panel: usize) -> (f64, f64) {
+        self.panels[panel].range
     }
 
     /// The image of a ruling, from v = 0 to v = 1.
-    pub fn ruling(&self, sheet: usize, t: f64) -> [Vec2; 2] {
-        self.sheets[sheet].ends(t).map(|p| self.seen(&p))
+    pub fn ruling(&self, panel: usize, t: f64) -> [Vec2; 2] {
+        self.panels[panel].ends(t).map(|p| self.seen(&p))
     }
 
     /// A ruling in space, from v = 0 to v = 1.
-    pub fn ruling_in_space(&self, sheet: usize, t: f64) -> [Vec3; 2] {
-        let patch = self.sheets[sheet].patch;
+    pub fn ruling_in_space(&self, panel: usize, t: f64) -> [Vec3; 2] {
+        let patch = self.panels[panel].patch;
         [patch.point(t, 0.0), patch.point(t, 1.0)]
     }
 
     /// Place in the drawing.
     pub fn flat(&self, at: &Spot) -> Vec2 {
-        let [a, b] = self.ruling(at.sheet, at.t);
+        let [a, b] = self.ruling(at.panel, at.t);
         a + (b - a) * at.s
     }
 
     /// Place in space.
     pub fn space(&self, at: &Spot) -> Vec3 {
-        let [a, b] = self.ruling_in_space(at.sheet, at.t);
+        let [a, b] = self.ruling_in_space(at.panel, at.t);
         a + (b - a) * at.s
     }
 
     /// Parameter v of the patch at a place: another number than the share where weights differ.
     pub fn v(&self, at: &Spot) -> f64 {
-        let patch = self.sheets[at.sheet].patch;
+        let patch = self.panels[at.panel].patch;
         let [w0, w1] = [0.0, 1.0].map(|v| patch.homogeneous_jet(at.t, v, 0)[0][3]);
         at.s * w0 / (w1 * (1.0 - at.s) + at.s * w0)
     }
@@ -222,11 +222,11 @@ impl<'a> Laid<'a> {
     pub fn spot(&self, q: &Vec2) -> Option<Spot> {
         let own = self.seen(q);
         let mut best: Option<(f64, Spot)> = None;
-        for (k, sheet) in self.sheets.iter().enumerate() {
-            for (t, s) in sheet.through(&own, SAME * self.size) {
+        for (k, panel) in self.panels.iter().enumerate() {
+            for (t, s) in panel.through(&own, SAME * self.size) {
                 let over = (-s).max(s - 1.0).max(0.0);
                 if over <= OVER && best.is_none_or(|b| over < b.0) {
-                    best = Some((over, Spot { sheet: k, t, s }));
+                    best = Some((over, Spot { panel: k, t, s }));
                 }
             }
         }
@@ -234,10 +234,10 @@ impl<'a> Laid<'a> {
     }
 
     /// The stretches of a ruling that lie inside polygons of the drawing, as shares.
-    pub fn inside(&self, sheet: usize, t: f64, loops: &[Vec<Vec2>]) -> Vec<[f64; 2]> {
+    pub fn inside(&self, panel: usize, t: f64, loops: &[Vec<Vec2>]) -> Vec<[f64; 2]> {
         // The first and the last ruling lie on the outline, where inside and outside cannot be told.
-        let (first, last) = self.range(sheet);
-        let [a, b] = self.ruling(sheet, t + INWARDS * (0.5 * (first + last) - t));
+        let (first, last) = self.range(panel);
+        let [a, b] = self.ruling(panel, t + INWARDS * (0.5 * (first + last) - t));
         let length = (b - a).norm();
         let Some(way) = (b - a).try_normalize(0.0) else { return Vec::new() };
         let cuts = crate::develop::refold::drawn::crossings(loops, &a, &way);
@@ -329,13 +329,13 @@ mod tests {
             let pattern = if turned { pattern.turned_over() } else { pattern };
             let laid = Laid::of(&patchwork, &part_of(2), &pattern).expect("maps");
             assert!(laid.len() == 2 && !laid.is_empty());
-            for (sheet, t, s) in [(0, 0.3, 0.2), (1, 0.0, 0.5), (1, 0.77, 0.9)] {
-                let spot = Spot { sheet, t, s };
+            for (panel, t, s) in [(0, 0.3, 0.2), (1, 0.0, 0.5), (1, 0.77, 0.9)] {
+                let spot = Spot { panel, t, s };
                 let found = laid.spot(&laid.flat(&spot)).expect("a place");
                 assert!((laid.space(&found) - laid.space(&spot)).norm() < 1e-9 * laid.size(), "{spot:?} {found:?}");
             }
             // Lengths are kept across the rulings too.
-            let [p, q] = [0.3, 0.3001].map(|t| Spot { sheet: 0, t, s: 0.4 });
+            let [p, q] = [0.3, 0.3001].map(|t| Spot { panel: 0, t, s: 0.4 });
             let (flat, space) = ((laid.flat(&p) - laid.flat(&q)).norm(), (laid.space(&p) - laid.space(&q)).norm());
             assert!((flat / space - 1.0).abs() < 1e-6);
             assert!(laid.spot(&Vec2::new(1e4, 1e4)).is_none());

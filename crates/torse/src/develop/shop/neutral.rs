@@ -73,10 +73,10 @@ impl<'a, 'b> Moves<'a, 'b> {
     /// Move of the ruling through a point of the drawing; zero where there is none.
     fn at(&self, q: &Vec2) -> Vec2 {
         let Some(spot) = self.laid.spot(q) else { return Vec2::zeros() };
-        let rows = &self.rows[spot.sheet];
+        let rows = &self.rows[spot.panel];
         let k = rows.partition_point(|r| r.0 <= spot.t).clamp(1, rows.len());
         let Some((t, move_)) = rows.get(k - 1) else { return Vec2::zeros() };
-        move_ + self.between(spot.sheet, *t, spot.t)
+        move_ + self.between(spot.panel, *t, spot.t)
     }
 }
 

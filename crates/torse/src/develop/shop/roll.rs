@@ -47,12 +47,12 @@ pub fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
         let i = rulings.partition_point(|c| c.position < at).clamp(1, rulings.len() - 1);
         let (a, b) = (&rulings[i - 1], &rulings[i]);
         let share = if b.position > a.position { (at - a.position) / (b.position - a.position) } else { 1.0 };
-        let (sheet, t) = if a.sheet == b.sheet { (a.sheet, a.t + (b.t - a.t) * share) } else { (b.sheet, b.t) };
-        let pieces = laid.inside(sheet, t, &loops);
+        let (panel, t) = if a.panel == b.panel { (a.panel, a.t + (b.t - a.t) * share) } else { (b.panel, b.t) };
+        let pieces = laid.inside(panel, t, &loops);
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { continue };
-        let spots = [first[0], last[1]].map(|s| Spot { sheet, t, s });
+        let spots = [first[0], last[1]].map(|s| Spot { panel, t, s });
         let radius = |spot: &Spot| {
-            let r = bends::radius(laid.patch(sheet), t, laid.v(spot));
+            let r = bends::radius(laid.patch(panel), t, laid.v(spot));
             if r * FLAT > laid.size() {
                 f64::INFINITY
             } else {
@@ -90,13 +90,13 @@ fn up(laid: &Laid, pattern: &Pattern) -> f64 {
 
 /// Side to which the sheet is hollow, against R_t × R_v.
 fn curvature_sign(laid: &Laid, spot: &Spot) -> f64 {
-    let j = laid.patch(spot.sheet).jet(spot.t, laid.v(spot));
+    let j = laid.patch(spot.panel).jet(spot.t, laid.v(spot));
     j.normal().dot(&j.duu).signum()
 }
 
 /// A ruling on the way along a part.
 pub(super) struct RulingOnTheWay {
-    pub sheet: usize,
+    pub panel: usize,
     pub t: f64,
     /// Way from the first ruling, mm.
     pub position: f64,
@@ -109,29 +109,29 @@ impl RulingOnTheWay {
     pub(super) fn of(laid: &Laid, loops: &[Vec<Vec2>]) -> Vec<Self> {
         let mut out: Vec<Self> = Vec::new();
         let mut before: Option<(Vec2, [Vec2; 2], crate::geom::Vec3, f64)> = None;
-        for sheet in 0..laid.len() {
+        for panel in 0..laid.len() {
             // Neighbouring patches may look to other sides.
             let side = before.as_ref().map_or(1.0, |(.., n, s)| {
-                let first = laid.stations(sheet).next().unwrap_or(0.0);
-                s * normal(laid, sheet, first).map_or(1.0, |m| m.dot(n).signum())
+                let first = laid.stations(panel).next().unwrap_or(0.0);
+                s * normal(laid, panel, first).map_or(1.0, |m| m.dot(n).signum())
             });
-            for t in laid.stations(sheet) {
-                let pieces = laid.inside(sheet, t, loops);
+            for t in laid.stations(panel) {
+                let pieces = laid.inside(panel, t, loops);
                 let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { continue };
-                let Some(n) = normal(laid, sheet, t) else { continue };
-                let ends = laid.ruling(sheet, t);
+                let Some(n) = normal(laid, panel, t) else { continue };
+                let ends = laid.ruling(panel, t);
                 let middle = ends[0] + (ends[1] - ends[0]) * (0.5 * (first[0] + last[1]));
                 let (mut step, mut turn) = (0.0, 0.0);
                 if let Some((place, [a, b], m, _)) = &before {
                     // Way square to the mean of both rulings.
                     let way = ((b - a).normalize() + (ends[1] - ends[0]).normalize()).normalize();
                     step = way.perp(&(middle - place)).abs();
-                    let j = laid.patch(sheet).jet(t, 0.5);
+                    let j = laid.patch(panel).jet(t, 0.5);
                     let rising = j.normal().dot(&j.duu).signum();
                     turn = side * rising * m.angle(&n).min(std::f64::consts::PI - m.angle(&n));
                 }
                 let (position, turned) = out.last().map_or((0.0, 0.0), |c| (c.position, c.turn));
-                out.push(Self { sheet, t, position: position + step, turn: turned + turn });
+                out.push(Self { panel, t, position: position + step, turn: turned + turn });
                 before = Some((middle, ends, n, side));
             }
         }
@@ -140,8 +140,8 @@ impl RulingOnTheWay {
 }
 
 /// Unit normal of a patch in the middle of a ruling.
-fn normal(laid: &Laid, sheet: usize, t: f64) -> Option<crate::geom::Vec3> {
-    laid.patch(sheet).jet(t, 0.5).normal().try_normalize(0.0)
+fn normal(laid: &Laid, panel: usize, t: f64) -> Option<crate::geom::Vec3> {
+    laid.patch(panel).jet(t, 0.5).normal().try_normalize(0.0)
 }
 
 #[cfg(test)]

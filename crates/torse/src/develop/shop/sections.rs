@@ -38,8 +38,8 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
     let mut out = Vec::new();
     for plane in planes {
         let mut lines: Vec<Vec<Vec2>> = Vec::new();
-        for sheet in 0..laid.len() {
-            for stretch in on_sheet(laid, sheet, plane, tolerance) {
+        for panel in 0..laid.len() {
+            for stretch in on_panel(laid, panel, plane, tolerance) {
                 for piece in clipped(&stretch, &loops) {
                     join(&mut lines, piece, SAME * laid.size());
                 }
@@ -60,20 +60,20 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
 }
 
 /// Stretches of the section with a whole panel.
-fn on_sheet(laid: &Laid, sheet: usize, plane: &SectionPlane, tolerance: f64) -> Vec<Vec<Vec2>> {
+fn on_panel(laid: &Laid, panel: usize, plane: &SectionPlane, tolerance: f64) -> Vec<Vec<Vec2>> {
     // Heights of both ends of a ruling above the plane.
-    let ends = |t: f64| laid.ruling_in_space(sheet, t).map(|p| plane.normal.dot(&p) - plane.offset);
-    let stations: Vec<f64> = laid.stations(sheet).collect();
+    let ends = |t: f64| laid.ruling_in_space(panel, t).map(|p| plane.normal.dot(&p) - plane.offset);
+    let stations: Vec<f64> = laid.stations(panel).collect();
     let mut out: Vec<Vec<Vec2>> = Vec::new();
     // Rulings in the plane, up to rounding: nothing beside them could be followed.
     let same = SAME * laid.size();
     let level: Vec<bool> = stations.iter().map(|t| ends(*t).iter().all(|x| x.abs() <= same)).collect();
     for (k, t) in stations.iter().enumerate().filter(|(k, _)| level[*k]) {
         // A joint belongs to the panel before it; of a stretch that lies in the plane as a whole nothing is marked.
-        let joint = k == 0 && sheet > 0;
+        let joint = k == 0 && panel > 0;
         let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().any(|j| level.get(j) == Some(&true));
         if !joint && !beside {
-            out.push(laid.ruling(sheet, *t).to_vec());
+            out.push(laid.ruling(panel, *t).to_vec());
         }
     }
     for (w, level) in stations.windows(2).zip(level.windows(2)) {
@@ -87,9 +87,9 @@ fn on_sheet(laid: &Laid, sheet: usize, plane: &SectionPlane, tolerance: f64) -> 
         at.sort_by(f64::total_cmp);
         if let [a, b] = at[..] {
             // Between rulings that are one to rounding nothing could be followed.
-            let (p, q) = (laid.ruling(sheet, a), laid.ruling(sheet, b));
+            let (p, q) = (laid.ruling(panel, a), laid.ruling(panel, b));
             if (p[0] - q[0]).norm().max((p[1] - q[1]).norm()) <= same {
-                out.push(laid.ruling(sheet, 0.5 * (a + b)).to_vec());
+                out.push(laid.ruling(panel, 0.5 * (a + b)).to_vec());
                 continue;
             }
         }
@@ -103,7 +103,7 @@ fn on_sheet(laid: &Laid, sheet: usize, plane: &SectionPlane, tolerance: f64) -> 
             let place = |t: f64| {
                 let [x, y] = ends(t);
                 let s = if x == y { 0.5 } else { (x / (x - y)).clamp(0.0, 1.0) };
-                laid.flat(&Spot { sheet, t, s })
+                laid.flat(&Spot { panel, t, s })
             };
             let mut points = vec![place(p[0])];
             follow(&place, (p[0], p[1]), tolerance, &mut points);

@@ -27,6 +27,15 @@ pub struct Curves {
 ///
 /// # Errors
 /// See [`CurveError`]; curves that do not join, unless one is selected.
+///
+/// # Example
+/// ```
+/// let table = "0,0,0\n10,2,0\n20,3,1\n30,3,3\n";
+/// let options = torse::io::curves::CurveOptions { unit: Some(1.0), ..torse::io::curves::CurveOptions::new("keel") };
+/// let (rail, notes) = torse::read_curve(table.as_bytes(), &options)?;
+/// assert!(rail.length() > 30.0 && notes.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<(Rail, Vec<String>), CurveError> {
     match source(bytes, options)? {
         Source::Points(points) => Ok((points_rail(&points, options)?, Vec::new())),

@@ -61,7 +61,7 @@ impl Job<'_> {
     }
 }
 
-/// Vertices that are compared with the border for [`middle`].
+/// Vertices that are compared with the border for [`State::middle`].
 const TRIED: usize = 400;
 
 impl State {

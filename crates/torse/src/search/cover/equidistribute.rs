@@ -135,7 +135,7 @@ impl Job<'_> {
         }
     }
 
-    /// Lays bands of `field` until their errors are even; see [`Job::even`].
+    /// Lays bands of `field` until their errors are even; see [`Job::equidistribute`].
     #[expect(clippy::too_many_lines, reason = "one descent with its state")]
     fn settled(&self, state: &State, label: u32, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
         let Start { mut rise, mut levels, mut known, rounds, most } = start;

@@ -18,7 +18,7 @@ impl State {
         self.divide(label, axis, 2)
     }
 
-    /// As [`halve`], into equal parts of the extent.
+    /// As [`State::halve`], into equal parts of the extent.
     pub(super) fn divide(&mut self, label: u32, axis: usize, parts: usize) -> Option<Vec<u32>> {
         let (mean, axes) = self.axes_of_region(label);
         let direction = match axis {

@@ -377,7 +377,7 @@ impl<'a> Job<'a> {
         found
     }
 
-    /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::even`].
+    /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::equidistribute`].
     fn equidistribute_straight(
         &self,
         state: &State,

@@ -168,7 +168,7 @@ fn field(strip: &Strip, found: &Found) -> PanelField {
     PanelField { u, v: vec![0.0, 1.0], values: twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect() }
 }
 
-/// Sums up what was found of strips: see [`judge`].
+/// Sums up what was found of strips: see [`assess`].
 pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Assessment {
     let mut off: [Vec<UpperBound>; 2] = Default::default();
     let mut twists_shown = Vec::new();

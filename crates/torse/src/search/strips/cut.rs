@@ -129,12 +129,12 @@ impl Laid {
         flat_area(&self.patterns)
     }
 
-    /// See [`lengths`].
+    /// See `lengths`.
     pub fn lengths(&self) -> Vec<Claim> {
         lengths(&self.patterns, &self.proofs)
     }
 
-    /// See [`refused`].
+    /// See `refused`.
     pub fn refused(&self) -> Vec<Reason> {
         refused(&self.parts, &self.patterns, &self.proofs, self.tolerance)
     }

@@ -76,6 +76,13 @@ pub enum ReadError {
 ///
 /// # Errors
 /// See [`ReadError`].
+///
+/// # Example
+/// ```
+/// let model = torse::read_step(include_bytes!("../../../../../../data/cone_holes.step"))?;
+/// assert_eq!((model.faces.len(), model.skipped.len()), (1, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     read_with(bytes, &ReadOptions::default())
 }
