@@ -14,7 +14,7 @@ pub const MANIFEST: &str = "torse-files.json";
 const SCHEMA: &str = "torse-files/1";
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 37] = [
+const RESULT_NAMES: [&str; 38] = [
     MANIFEST,
     "report.json",
     "report.html",
@@ -32,6 +32,7 @@ const RESULT_NAMES: [&str; 37] = [
     "roll_table.csv",
     "facets.csv",
     "bevels.csv",
+    "joints.csv",
     "model.glb",
     "thickness.glb",
     "bending.glb",

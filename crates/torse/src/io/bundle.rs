@@ -180,6 +180,7 @@ pub(crate) fn with_reports(
 /// # Errors
 /// Data that a format cannot hold.
 pub fn bending(stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, BundleError> {
+    out.extend(shop_tables::joints(answer, unit).map(|b| ("joints.csv".into(), b)));
     motion("bending", stages, eye)
 }
 

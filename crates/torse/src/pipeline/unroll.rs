@@ -2,12 +2,14 @@
 
 mod bodies;
 mod covered;
+mod joined;
 mod proofs;
 #[cfg(test)]
 mod tests;
 
 pub use bodies::groups;
 
+use crate::answer::joints::apart;
 use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
@@ -30,6 +32,7 @@ use crate::patchwork::part::Part;
 use crate::pipeline::approximate::ApproximateError;
 use crate::reason::FaceReason;
 use crate::search::strips::face_panel::{face_panel, LaidFace};
+use joined::joined;
 #[cfg(test)]
 use proofs::judged;
 use proofs::{fault, proven};
@@ -150,6 +153,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
     let mut absent: Vec<UnrollNote> = Vec::new();
+    let joints = joined(&mut parts, &through_panels);
     control.report("laying out the skins", PROVEN, format!("{} parts", parts.len()));
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
         let own = if laid.is_some() { &[][..] } else { &part.faces[..] };
@@ -194,6 +198,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     };
     let touching = parts.iter().zip(&proofs).filter(|p| !p.1.is_in_one_layer()).map(|p| p.0.pattern.name.clone());
     let touching: Vec<String> = touching.collect();
+        joints,
     if !touching.is_empty() {
         answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
     }
@@ -202,6 +207,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         let rest = (0..faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| faces[k].clone()).collect();
         covered::add(&mut answer, rest, tolerance, control)?;
     }
+    answer.notes.extend(apart(&answer.patterns, options.tolerance));
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
 }

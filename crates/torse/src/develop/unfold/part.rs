@@ -2,6 +2,7 @@
 
 use super::bends::{bends, SheetBend};
 use super::chart::Chart;
+use super::joints::{shared_edges, SharedEdge};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
 use super::region::{Motion, POINT};
 use super::sheet::{open, sheet, Sheet, ALIKE};
@@ -70,6 +71,8 @@ pub struct FlatPart {
     pub chart: Option<PlacedChart>,
 }
 
+    /// Edges that it shares with itself or a later part of its body; parts are counted within the body.
+    pub shared: Vec<SharedEdge>,
 /// The parts of one body.
 #[derive(Clone, Debug, Default)]
 pub struct BodyParts {
@@ -157,6 +160,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     }
     out
 }
+    let shared = shared_edges(&body, &drawn.iter().map(|d| d.0).collect::<Vec<_>>(), options.tolerance);
 
 /// One skin of a sheet, unfolded.
 struct Side {
@@ -165,6 +169,9 @@ struct Side {
     left: Vec<usize>,
 }
 
+    for edge in shared {
+        out.parts[edge.parts[0].min(edge.parts[1])].shared.push(edge);
+    }
 impl Side {
     fn of(body: &Body, skin: &[usize], asked: &UnfoldOptions) -> Self {
         let (pieces, left) = unfold(body, skin, asked);
@@ -295,3 +302,4 @@ fn part(
         },
     }
 }
+        shared: Vec::new(),

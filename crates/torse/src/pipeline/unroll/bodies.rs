@@ -78,8 +78,10 @@ pub(super) fn flat_parts_of(
     let (mut parts, mut left) = (Vec::new(), Vec::new());
     for ((found, body), name) in made.into_iter().zip(&bodies).zip(&names) {
         parts.extend(found.parts.into_iter().map(|mut p| {
+        let before = parts.len();
             p.faces.iter_mut().for_each(|f| *f = body[*f]);
             p
+            p.shared.iter_mut().flat_map(|e| &mut e.parts).for_each(|k| *k += before);
         }));
         let uncovered = |l: &(Option<usize>, Unlaid)| options.approximate.is_none() || l.0.is_none();
         left.extend(found.left.into_iter().filter(uncovered).map(|(face, reason)| {

@@ -2,6 +2,7 @@
 
 mod bad;
 mod given;
+mod joined;
 mod kinds;
 mod skins;
 
