@@ -39,6 +39,7 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
         kinked: shop.facets.is_some(),
         stations: shop.mark_sections.clone(),
         ..WorkshopOptions::default()
+        offsets: shop.offsets,
     })
 }
 

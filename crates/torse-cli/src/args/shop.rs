@@ -32,6 +32,11 @@ pub struct Shop {
     pub side: Side,
 
     /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
+    /// Also write the sides of the sheet and its neutral surface for CAD: inside.step, neutral.step and outside.step, the panels at
+    /// constant distances
+    #[arg(long, help_heading = SHEET, requires = "thickness")]
+    pub offsets: bool,
+
     /// 'din' for the formula of DIN 6935, or a table (.csv) with the columns R/t (inside radius over thickness) and K
     /// [default: that of the material; else 0.44 for bodies of sheet, 0.5 for panels]
     #[arg(long, help_heading = SHEET, value_name = "K", value_parser = k_factor, allow_hyphen_values = true)]

@@ -14,7 +14,7 @@ pub const MANIFEST: &str = "torse-files.json";
 const SCHEMA: &str = "torse-files/1";
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 38] = [
+const RESULT_NAMES: [&str; 41] = [
     MANIFEST,
     "report.json",
     "report.html",
@@ -24,6 +24,9 @@ const RESULT_NAMES: [&str; 38] = [
     "strips.step",
     "cones.step",
     "thickness.step",
+    "inside.step",
+    "neutral.step",
+    "outside.step",
     "patterns.dxf",
     "patterns.svg",
     "bends.csv",

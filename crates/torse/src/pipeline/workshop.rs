@@ -4,6 +4,7 @@
 //! measured from then on, and say so.
 
 mod made;
+mod offsets;
 mod options;
 mod planes;
 mod refusals;
@@ -22,6 +23,7 @@ use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
 use crate::search::strips::cut::flat_area;
 use made::{made, Made};
+use offsets::offsets;
 pub use options::{Stations, WorkshopError, WorkshopOptions};
 use planes::planes;
 use rayon::prelude::*;
@@ -71,11 +73,13 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         answer.shop.work.push(work);
     }
     answer.shop.bevels = bevelled(answer);
+    let (offsets, of_offsets) = offsets(answer, options);
+    answer.shop.offsets = offsets;
     measured_from_now_on(answer, &told.moved);
     refuse_grown(answer, &told.moved, &options.limits);
     answer.claims.extend(refusals::refusals(answer, options, &told.not_neutral));
     let notes = notes(answer, options, told);
-    answer.notes.extend(notes.into_iter().map(Note::Shop));
+    answer.notes.extend(notes.into_iter().chain(of_offsets).map(Note::Shop));
     if let Some(depth) = sheet.as_ref().map(Sheet::greatest_depth) {
         answer.claims.extend(inside_radius(answer, depth));
     }

@@ -33,6 +33,8 @@ pub struct SheetPart {
     pub given: Option<GivenSheet>,
     /// Its bends.
     pub bends: Vec<SheetBend>,
+    /// Of every face of the part whether its outside is the other side than its file says.
+    pub turned: Vec<bool>,
 }
 
 /// The map of a face, and where its image lies in the part.
@@ -163,6 +165,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     let shared = shared_edges(&body, &drawn.iter().map(|d| d.0).collect::<Vec<_>>(), options.tolerance);
 
 /// One skin of a sheet, unfolded.
+        made.sheet.turned = made.faces.iter().map(|f| body.faces[*f].reversed != faces[*f].reversed).collect();
 struct Side {
     pieces: Vec<Piece>,
     outlines: Vec<Vec<Outline>>,
@@ -294,6 +297,7 @@ fn part(
         joints,
         maps: piece.faces.iter().map(|p| p.chart.closed()).collect(),
         strips: piece.faces.iter().map(placed_strips).collect(),
+            turned: Vec::new(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
         slanting: Vec::new(),
         chart: match piece.faces.as_slice() {

@@ -4,6 +4,7 @@ mod bad;
 mod given;
 mod joined;
 mod kinds;
+mod offsets;
 mod skins;
 
 use crate::answer::note::{Note, UnrollNote};

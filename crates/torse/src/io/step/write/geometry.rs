@@ -92,6 +92,10 @@ pub fn surface(r: &mut Records, s: &SheetSurface) -> u64 {
             r.push(&format!("CONICAL_SURFACE('',#{a},{},{})", real(*radius), real(*half_angle)))
         }
         SheetSurface::Spline { surface, form } => spline_surface(r, surface, form.keyword()),
+        SheetSurface::Offset { surface, form, distance } => {
+            let base = spline_surface(r, surface, form.keyword());
+            r.push(&format!("OFFSET_SURFACE('',#{base},{},.F.)", real(*distance)))
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::numbers::{length, number};
 use super::unroll::factor;
-use crate::answer::note::{LeastRadius, ShopNote, TooTight};
+use crate::answer::note::{LeastRadius, Material, OffsetSide, ShopNote, TooTight};
 
 /// Parts that are named in one note; more are counted.
 const NAMED: usize = 4;
@@ -51,6 +51,31 @@ pub(super) fn words(note: &ShopNote) -> String {
         ),
         ShopNote::Kinked { displacement_estimate } => format!(
             "Kinked parts come to lie up to {} from the curved ones (sampled); kinks, angles and a sequence from both ends \
+        ShopNote::Offsets { edge_error } => format!(
+            "inside.step, neutral.step and outside.step hold the sides of the sheet and its neutral surface, the panels at a constant \
+             distance each; edges are within {} of it (measured, not proven).",
+            length(*edge_error)
+        ),
+        ShopNote::NoOffset { panel, side, none } => format!(
+            "{panel} is not in {}: at ({}, {}, {}) mm it has a radius of {}, for which that side of the sheet is too far away.",
+            side.file(),
+            number(none.at.x),
+            number(none.at.y),
+            number(none.at.z),
+            length(none.radius)
+        ),
+        ShopNote::NoOffsets { parts } => format!(
+            "No sides of the sheet are written of {}: bodies of sheet have both, and faces without a panel have none.",
+            named(parts)
+        ),
+        ShopNote::NeutralVaries { parts } => format!(
+            "{}: the neutral surface is not at one distance from the panels, and not in {}.",
+            named(parts),
+            OffsetSide::Neutral.file()
+        ),
+        ShopNote::OffsetsOfCones => {
+            "The sides of the sheet and its middle are in thickness.step, as cones, cylinders and planes.".into()
+        }
              inwards are in facets.csv.",
             length(*displacement_estimate)
         ),
