@@ -19,7 +19,7 @@ use crate::brep::face::Face;
 use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
-use crate::develop::bends::Facets;
+use crate::develop::bends::{BendSpacing, Facets};
 use crate::develop::shop::thickness::Sheet;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::FlatPart;
@@ -57,8 +57,11 @@ pub struct UnrollOptions {
     pub sheet: Option<Sheet>,
     /// Name of the input, for the files; default "model".
     pub input: String,
-    /// How rolled faces are kinked; default none: lines every 5°.
+    /// How rolled faces are kinked; default none.
     pub facets: Option<Facets>,
+    /// Turn of the sheet from one line of a rolled face to the next where it is not kinked, rad; default 5°. More are drawn where
+    /// the part could not be bent back from these.
+    pub bend_step: f64,
     /// Distance (mm) within which surfaces that are not developable are covered by panels; default none: they are left out.
     pub approximate: Option<f64>,
     /// Over which edges faces are laid beside each other; default all.
@@ -75,6 +78,7 @@ impl UnrollOptions {
             sheet: None,
             input: "model".into(),
             facets: None,
+            bend_step: BendSpacing::default().step,
             approximate: None,
             joins: Joins::All,
         }
@@ -149,11 +153,11 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     control.report("proving", UNFOLDED, format!("{} parts", parts.len()));
     let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
         parts.par_iter_mut().map(|p| proven(p, &faces, options.tolerance, control)).unzip();
+    let joints = joined(&mut parts, &through_panels);
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
     let mut absent: Vec<UnrollNote> = Vec::new();
-    let joints = joined(&mut parts, &through_panels);
     control.report("laying out the skins", PROVEN, format!("{} parts", parts.len()));
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
         let own = if laid.is_some() { &[][..] } else { &part.faces[..] };
@@ -194,20 +198,20 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         notes: model.notes.iter().cloned().chain(told).collect(),
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
         charts: parts.iter_mut().map(|p| p.chart.take()).collect(),
+        joints,
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
     let touching = parts.iter().zip(&proofs).filter(|p| !p.1.is_in_one_layer()).map(|p| p.0.pattern.name.clone());
     let touching: Vec<String> = touching.collect();
-        joints,
     if !touching.is_empty() {
         answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
     }
     answer.notes.extend(notes(&parts, options).into_iter().chain(absent).map(Note::Unroll));
+    answer.notes.extend(apart(&answer.patterns, options.tolerance));
     if let Some(tolerance) = options.approximate {
         let rest = (0..faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| faces[k].clone()).collect();
         covered::add(&mut answer, rest, tolerance, control)?;
     }
-    answer.notes.extend(apart(&answer.patterns, options.tolerance));
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
 }

@@ -12,7 +12,7 @@ use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::pattern::Bend;
 use crate::spline::surface::Surface;
 pub(crate) use course::{Course, Line};
-pub(crate) use dense::{dense, Ruling};
+pub(crate) use dense::{dense, dense_cells, Cell, Ruling};
 
 /// How far apart rulings are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,7 +12,7 @@ use crate::brep::body::{oriented, Body};
 use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
 use crate::develop::arcs::rectangle_around;
-use crate::develop::bends::Facets;
+use crate::develop::bends::BendSpacing;
 use crate::develop::shop::thickness::Sheet as GivenSheet;
 use crate::geom::segment::same_segment;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
@@ -71,10 +71,10 @@ pub struct FlatPart {
     pub slanting: Vec<u64>,
     /// Of a part that is one face its map.
     pub chart: Option<PlacedChart>,
-}
-
     /// Edges that it shares with itself or a later part of its body; parts are counted within the body.
     pub shared: Vec<SharedEdge>,
+}
+
 /// The parts of one body.
 #[derive(Clone, Debug, Default)]
 pub struct BodyParts {
@@ -95,8 +95,8 @@ pub struct PartOptions {
     pub surfaces: bool,
     /// The sheet that surfaces without thickness are made of, whose neutral fibre is laid flat; default none.
     pub sheet: Option<GivenSheet>,
-    /// How rolled faces are kinked; default none: lines every 5°.
-    pub facets: Option<Facets>,
+    /// How far apart lines of rolled faces are drawn, or how these are kinked; default lines every 5°.
+    pub spacing: BendSpacing,
     /// Over which edges faces are laid beside each other; default all.
     pub joins: Joins,
 }
@@ -104,7 +104,14 @@ pub struct PartOptions {
 impl PartOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, k: KFactor::default(), surfaces: false, sheet: None, facets: None, joins: Joins::All }
+        Self {
+            tolerance,
+            k: KFactor::default(),
+            surfaces: false,
+            sheet: None,
+            spacing: BendSpacing::default(),
+            joins: Joins::All,
+        }
     }
 }
 
@@ -153,28 +160,28 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     }
     let count = drawn.len();
     let slanting = found.slanting(&body);
+    let shared = shared_edges(&body, &drawn.iter().map(|d| d.0).collect::<Vec<_>>(), options.tolerance);
     for (k, (piece, outlines)) in drawn.into_iter().enumerate() {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
         let mut made = part(&body, piece, outlines, (&found, &name), options);
         let touches = |f: &usize| body.of_face(*f).any(|h| body.beyond(h).is_some_and(|g| made.faces.contains(&g)));
+        made.sheet.turned = made.faces.iter().map(|f| body.faces[*f].reversed != faces[*f].reversed).collect();
         made.slanting = slanting.iter().filter(|f| touches(f)).map(|f| body.faces[*f].entity).collect();
         out.parts.push(made);
     }
+    for edge in shared {
+        out.parts[edge.parts[0].min(edge.parts[1])].shared.push(edge);
+    }
     out
 }
-    let shared = shared_edges(&body, &drawn.iter().map(|d| d.0).collect::<Vec<_>>(), options.tolerance);
 
 /// One skin of a sheet, unfolded.
-        made.sheet.turned = made.faces.iter().map(|f| body.faces[*f].reversed != faces[*f].reversed).collect();
 struct Side {
     pieces: Vec<Piece>,
     outlines: Vec<Vec<Outline>>,
     left: Vec<usize>,
 }
 
-    for edge in shared {
-        out.parts[edge.parts[0].min(edge.parts[1])].shared.push(edge);
-    }
 impl Side {
     fn of(body: &Body, skin: &[usize], asked: &UnfoldOptions) -> Self {
         let (pieces, left) = unfold(body, skin, asked);
@@ -245,7 +252,7 @@ fn part(
     let others: HashSet<usize> = found.others.iter().copied().collect();
     let formed =
         |o: &Outline| o.area < 0.0 && o.halves.iter().all(|h| body.beyond(*h).is_some_and(|g| others.contains(&g)));
-    let bends = bends(body, piece, found.thickness, options.facets, tolerance);
+    let bends = bends(body, piece, found.thickness, &options.spacing.of_job(tolerance), tolerance);
     let (marks, contours): (Vec<Outline>, Vec<Outline>) = outlines.into_iter().partition(formed);
     let mut pattern = Pattern {
         name: name.to_owned(),
@@ -290,6 +297,7 @@ fn part(
             k: options.k.clone(),
             given: options.sheet.clone().filter(|_| piece.faces.iter().all(|p| p.is_given)),
             bends,
+            turned: Vec::new(),
         },
         faces: piece.faces.iter().map(|p| p.face).collect(),
         cuts: piece.cuts.iter().map(number).collect(),
@@ -297,13 +305,12 @@ fn part(
         joints,
         maps: piece.faces.iter().map(|p| p.chart.closed()).collect(),
         strips: piece.faces.iter().map(placed_strips).collect(),
-            turned: Vec::new(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
         slanting: Vec::new(),
         chart: match piece.faces.as_slice() {
             [only] => Some(PlacedChart { chart: only.chart.clone(), motion: only.motion }),
             _ => None,
         },
+        shared: Vec::new(),
     }
 }
-        shared: Vec::new(),

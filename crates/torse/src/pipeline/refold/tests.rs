@@ -20,8 +20,13 @@ const TOLERANCE: f64 = 0.05;
 
 /// Faces laid flat, written, read and bent back.
 fn back(faces: Vec<Face>) -> RefoldReport {
+    back_within(faces, TOLERANCE)
+}
+
+/// The same with another tolerance, mm.
+fn back_within(faces: Vec<Face>, tolerance: f64) -> RefoldReport {
     let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
-    let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(TOLERANCE) };
+    let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(tolerance) };
     let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
     let made: HashMap<String, Vec<u8>> =
         files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
@@ -116,6 +121,26 @@ fn surfaces_that_were_given_a_thickness_are_compared_with_their_neutral_fibre() 
         let faces = vec![quarter(Vec3::zeros(), Vec3::z(), radius * Vec3::x(), 40.0)];
         let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
         let sheet = Some(Sheet { thickness: t, side, k: KFactor::Ansi(0.3) });
+/// A general cylinder and a general cone over a curve that bends unevenly come back within what their lines are to tell.
+#[test]
+fn uneven_faces_get_as_many_lines_as_bending_them_back_needs() {
+    let tolerance = 0.01;
+    let profile = [[0.0, 0.0], [60.0, 90.0], [140.0, -40.0], [220.0, 40.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let (way, apex) = (120.0 * Vec3::z(), 300.0 * Vec3::z());
+    let along: &dyn Fn(Vec3) -> Vec3 = &|p| p + way;
+    let towards: &dyn Fn(Vec3) -> Vec3 = &|p| p + (apex - p) * 0.6;
+    for to in [along, towards] {
+        let points: Vec<Vec3> = profile.iter().flat_map(|p| [*p, to(*p)]).collect();
+        let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+        let face = Face::untrimmed(Surface::new(knots(3), knots(1), &points, None).expect("a surface"));
+        let report = back_within(vec![face], tolerance);
+        assert!(report.left.is_empty() && report.parts.len() == 1, "{:?}", report.left);
+        let part = &report.parts[0];
+        let (matched, lines) = (part.matched_estimate, part.lines);
+        assert!(matched <= 0.7 * tolerance && lines < 200, "{matched} {lines}");
+    }
+}
+
         let options = UnrollOptions { surfaces: true, sheet, ..UnrollOptions::new(TOLERANCE) };
         let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
         let made: HashMap<String, Vec<u8>> =
