@@ -42,7 +42,7 @@ fn all_within(report: &RefoldReport, panels: usize, bound: f64) {
     assert!(report.parts.iter().all(|p| p.matched_estimate < 0.1 * bound), "{:?}", report.parts);
 }
 
-/// Places go to the neutral fibre that is drawn, also where no row of the bend table has one radius; such parts are not bent back.
+/// Places go to the neutral fibre that is drawn, also where no row of the bend table has one radius; bent back is the skin.
 #[test]
 fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
     let (t, k, radius, slope, height, turn) = (2.0, 0.4, 20.0, 0.5_f64, 60.0, 1.8);
@@ -70,8 +70,16 @@ fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
     stop.cancel();
     let stopped = refold(&|name| made.get(name).cloned(), &stop).expect("an answer");
     assert!(stopped.parts.is_empty() && stopped.left.iter().any(|l| l.1.contains("stopped")), "{:?}", stopped.left);
-    let left = refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report().left;
-    assert!(left.len() == 1 && left[0][1].contains("neutral fibre"), "{left:?}");
+    let report = refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report();
+    assert!(report.left.is_empty() && report.parts[0].matched_estimate < 1e-3, "{report:?}");
+    // Without the word of the report nobody knows which fibre is drawn.
+    let silent = |name: &str| {
+        let bytes = made.get(name).cloned()?;
+        let text = String::from_utf8_lossy(&bytes).replace("\"neutral\"", "\"unknown\"");
+        Some(if name == "report.json" { text.into_bytes() } else { bytes })
+    };
+    let left = refold(&silent, &Control::default()).expect("an answer").report().left;
+    assert!(!left.is_empty(), "{left:?}");
 }
 
 /// Rolled over a full turn: one region with all its rulings, not one for every line.
@@ -113,14 +121,6 @@ fn faces_that_bend_both_ways_are_bent_back_as_one() {
     assert!(report.parts[0].panels.iter().all(|p| p.distance_bound.is_some()), "{:?}", report.parts);
 }
 
-/// What is drawn of surfaces that were given a thickness is their neutral fibre: places go to it, and bent back it is beside them.
-#[test]
-fn surfaces_that_were_given_a_thickness_are_compared_with_their_neutral_fibre() {
-    let (radius, t) = (50.0, 4.0);
-    for side in [SheetSide::Inside, SheetSide::Middle, SheetSide::Outside] {
-        let faces = vec![quarter(Vec3::zeros(), Vec3::z(), radius * Vec3::x(), 40.0)];
-        let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
-        let sheet = Some(Sheet { thickness: t, side, k: KFactor::Ansi(0.3) });
 /// A general cylinder and a general cone over a curve that bends unevenly come back within what their lines are to tell.
 #[test]
 fn uneven_faces_get_as_many_lines_as_bending_them_back_needs() {
@@ -141,6 +141,14 @@ fn uneven_faces_get_as_many_lines_as_bending_them_back_needs() {
     }
 }
 
+/// What is drawn of surfaces that were given a thickness is their neutral fibre: places go to it, and bent back it is beside them.
+#[test]
+fn surfaces_that_were_given_a_thickness_are_compared_with_their_neutral_fibre() {
+    let (radius, t) = (50.0, 4.0);
+    for side in [SheetSide::Inside, SheetSide::Middle, SheetSide::Outside] {
+        let faces = vec![quarter(Vec3::zeros(), Vec3::z(), radius * Vec3::x(), 40.0)];
+        let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+        let sheet = Some(Sheet { thickness: t, side, k: KFactor::Ansi(0.3) });
         let options = UnrollOptions { surfaces: true, sheet, ..UnrollOptions::new(TOLERANCE) };
         let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
         let made: HashMap<String, Vec<u8>> =
