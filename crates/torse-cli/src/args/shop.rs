@@ -48,8 +48,8 @@ pub struct Shop {
     #[arg(long, help_heading = SHEET, value_name = "HOW", value_parser = facets, allow_hyphen_values = true)]
     pub facets: Option<Facets>,
 
-    /// Planes whose sections with the parts are marked: x=500mm, x=0mm..6m/500mm (from, to, step) or z=../250mm (all
-    /// multiples of the step across the model); may be given several times
+    /// Planes whose sections with the parts are marked: x=500mm, x=0mm..6m/500mm (from, to, step) or z=250mm.. (all
+    /// multiples of the step across the model, also z=../250mm); may be given several times
     #[arg(long, help_heading = SHEET, value_name = "AXIS=PLACES", value_parser = stations, allow_hyphen_values = true)]
     pub mark_sections: Vec<Stations>,
 }
