@@ -19,7 +19,8 @@ pub struct Shop {
     #[arg(long, help_heading = SHEET, value_name = "NAME")]
     pub material: Option<String>,
 
-    /// Table of own materials (.csv): material, density (kg/m³), least_radius (1.5t or 4mm), k, note
+    /// Own materials, as a table (.csv: material, density in kg/m³, least_radius (1.5t or 4mm), k, note, source) or as TOML
+    /// (.toml: a table of these for every material)
     #[arg(long, help_heading = SHEET, value_name = "FILE", requires = "material")]
     pub materials: Option<PathBuf>,
 
@@ -31,12 +32,12 @@ pub struct Shop {
     #[arg(long, help_heading = SHEET, value_name = "SIDE", value_enum, default_value_t = Side::Middle, requires = "thickness")]
     pub side: Side,
 
-    /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
     /// Also write the sides of the sheet and its neutral surface for CAD: inside.step, neutral.step and outside.step, the panels at
     /// constant distances
     #[arg(long, help_heading = SHEET, requires = "thickness")]
     pub offsets: bool,
 
+    /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
     /// 'din' for the formula of DIN 6935, or a table (.csv) with the columns R/t (inside radius over thickness) and K
     /// [default: that of the material; else 0.44 for bodies of sheet, 0.5 for panels]
     #[arg(long, help_heading = SHEET, value_name = "K", value_parser = k_factor, allow_hyphen_values = true)]

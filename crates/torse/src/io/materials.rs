@@ -1,8 +1,10 @@
-//! Tables of materials (CSV): those that come with the program, and people's own; tables of K-factors.
+//! Tables of materials (CSV or TOML): those that come with the program, and people's own; tables of K-factors.
 //!
 //! The first line names the columns, in any order: `material` and `density` (kg/m³), and if known `least_radius` (`1.5t` or
-//! `4mm`), `k` (a number, `din`, or pairs `R/t:k`) and `note`. `#` begins a comment line. A table and not TOML, because every
-//! shop has a program for tables, and no reader of another format had to be brought in.
+//! `4mm`), `k` (a number, `din`, or pairs `R/t:k`), `note` and `source`. `#` begins a comment line. In TOML every material is a table
+//! under its name with the same keys; `k` may be an array of pairs there.
+
+mod from_toml;
 
 use crate::develop::shop::material::{LeastRadius, Material};
 use crate::develop::unfold::allowance::KFactor;
@@ -10,7 +12,7 @@ use crate::develop::unfold::allowance::KFactor;
 /// The table that comes with the program.
 const SHIPPED: &str = include_str!("materials.csv");
 /// Columns of a table.
-const COLUMNS: [&str; 5] = ["material", "density", "least_radius", "k", "note"];
+const COLUMNS: [&str; 6] = ["material", "density", "least_radius", "k", "note", "source"];
 /// The lightest foam, kg/m³: smaller numbers are meant in another unit.
 const LIGHTEST: f64 = 15.0;
 /// Density of the heaviest metal, kg/m³.
@@ -72,11 +74,19 @@ pub fn material(name: &str, own: Option<(&str, &str)>) -> Result<Material, Mater
     all.into_iter().find(|m| m.is_called(name)).ok_or(missing)
 }
 
-/// Reads a table; `file` names it in messages.
+/// Reads a table, as TOML if its file is called so; `file` names it in messages.
 ///
 /// # Errors
 /// The line, the material and what is wrong with it.
 pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
+    if file.to_ascii_lowercase().ends_with(".toml") {
+        return from_toml::read(file, text.trim_start_matches('\u{feff}'));
+    }
+    table(file, text)
+}
+
+/// Reads a table of cells.
+fn table(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
     let mut columns: Option<Vec<String>> = None;
     let mut out: Vec<Material> = Vec::new();
     for (k, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
@@ -84,12 +94,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
             continue;
         }
         let cells = cells(line);
-        let fault = |card: &str, reason: String| MaterialError::Line {
-            file: file.into(),
-            line: k + 1,
-            card: if card.is_empty() { String::new() } else { format!(", material '{card}'") },
-            reason,
-        };
+        let fault = |card: &str, reason: String| wrong((file, k + 1), card, reason);
         let Some(names) = &columns else {
             let names: Vec<String> = cells.iter().map(|c| heading(c)).collect();
             if let Some(missing) = ["material", "density"].iter().find(|n| !names.iter().any(|c| c == *n)) {
@@ -121,6 +126,12 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
         out.push(found);
     }
     Ok(out)
+}
+
+/// What is wrong in a line of a file, with the material, if one is meant.
+fn wrong((file, line): (&str, usize), card: &str, reason: String) -> MaterialError {
+    let card = if card.is_empty() { String::new() } else { format!(", material '{card}'") };
+    MaterialError::Line { file: file.into(), line, card, reason }
 }
 
 /// Names of the columns of a table of K-factors: inside radius over thickness, and K (ANSI).
@@ -184,7 +195,8 @@ fn card<'a>(cell: &impl Fn(&str) -> &'a str) -> Result<Material, String> {
     if let Some(k) = &k {
         k.check().map_err(|e| e.to_string())?;
     }
-    Ok(Material { name, density, least_radius: least_radius(cell("least_radius"))?, k, note: cell("note").to_owned() })
+    let least_radius = least_radius(cell("least_radius"))?;
+    Ok(Material { name, density, least_radius, k, note: cell("note").to_owned(), source: cell("source").to_owned() })
 }
 
 fn positive(text: &str) -> Option<f64> {

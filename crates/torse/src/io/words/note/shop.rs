@@ -9,10 +9,7 @@ const NAMED: usize = 4;
 
 pub(super) fn words(note: &ShopNote) -> String {
     match note {
-        ShopNote::Material(m) => {
-            let least = m.least_radius.map_or_else(String::new, |r| format!(", least inside radius {}", least_radius(r)));
-            format!("Material: {}, {} kg/m³{least}; typical numbers, ask the supplier.", m.name, number(m.density))
-        }
+        ShopNote::Material(m) => material(m),
         ShopNote::Sheet(sheet) => format!(
             "Sheet of {}; the panels are its {}. {}. Parts hollow both ways have it in the middle.",
             length(sheet.thickness),
@@ -51,6 +48,9 @@ pub(super) fn words(note: &ShopNote) -> String {
         ),
         ShopNote::Kinked { displacement_estimate } => format!(
             "Kinked parts come to lie up to {} from the curved ones (sampled); kinks, angles and a sequence from both ends \
+             inwards are in facets.csv.",
+            length(*displacement_estimate)
+        ),
         ShopNote::Offsets { edge_error } => format!(
             "inside.step, neutral.step and outside.step hold the sides of the sheet and its neutral surface, the panels at a constant \
              distance each; edges are within {} of it (measured, not proven).",
@@ -76,15 +76,21 @@ pub(super) fn words(note: &ShopNote) -> String {
         ShopNote::OffsetsOfCones => {
             "The sides of the sheet and its middle are in thickness.step, as cones, cylinders and planes.".into()
         }
-             inwards are in facets.csv.",
-            length(*displacement_estimate)
-        ),
         ShopNote::Unknown { parts } => format!(
             "Roll radii, kinks, sections and the neutral fibre are not known of {}: patterns drawn from other surfaces than \
              the panels. Patterns and weights are those of the faces in the file, also where the sheet lies to one side of these.",
             named(parts)
         ),
     }
+}
+
+fn material(m: &Material) -> String {
+    let least = m.least_radius.map_or_else(String::new, |r| format!(", least inside radius {}", least_radius(r)));
+    let from = match m.source.as_str() {
+        "" => "typical numbers, ask the supplier".into(),
+        source => format!("numbers from: {source}"),
+    };
+    format!("Material: {}, {} kg/m³{least}; {from}.", m.name, number(m.density))
 }
 
 fn least_radius(least: LeastRadius) -> String {
