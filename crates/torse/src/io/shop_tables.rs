@@ -89,6 +89,15 @@ pub fn bevels(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     (!answer.shop.bevels.is_empty()).then(|| out.into_bytes())
 }
 
+/// A number with four digits; zero without a sign.
+fn printed(x: f64) -> String {
+    let text = format!("{x:.4}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| "0.".contains(c)) => rest.to_owned(),
+        _ => text,
+    }
+}
+
 /// Joints of parts that were laid flat with the lengths of both sides in the plane: `joints.csv`; lengths in `unit`. `None` where
 /// there are none.
 pub(crate) fn joints(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
@@ -98,19 +107,19 @@ pub(crate) fn joints(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let name = |k: usize| answer.parts.get(k).map_or_else(String::new, |p| quoted(&p.name));
     for joint in &answer.joints {
         let [a, b] = joint.lengths;
-        let length = |x: f64| if x.is_finite() { format!("{:.4}", unit.of(x)) } else { String::new() };
+        let length = |x: f64| if x.is_finite() { printed(unit.of(x)) } else { String::new() };
         let kinks = || joint.stations.iter().map(|s| s.kink.to_degrees());
         _ = writeln!(
             out,
-            "{},{},{},{},{},{},{:.4},{:.4}",
+            "{},{},{},{},{},{},{},{}",
             joint.name,
             name(joint.parts[0]),
             name(joint.parts[1]),
             length(a),
             length(b),
             length(b - a),
-            kinks().fold(f64::INFINITY, f64::min),
-            kinks().fold(f64::NEG_INFINITY, f64::max)
+            printed(kinks().fold(f64::INFINITY, f64::min)),
+            printed(kinks().fold(f64::NEG_INFINITY, f64::max))
         );
     }
     (!answer.joints.is_empty()).then(|| out.into_bytes())
@@ -153,7 +162,9 @@ mod tests {
     use crate::answer::Job;
     use crate::develop::shop::bevel::{BevelStation, SeamBevel};
     use crate::develop::shop::roll::RollStation;
+    use crate::develop::unfold::joints::PartJoint;
     use crate::geom::Vec2;
+    use crate::patchwork::part::Part;
     use crate::patchwork::pattern::Pattern;
 
     #[test]
@@ -182,5 +193,20 @@ mod tests {
         assert!(text(bevels(&answer, mm)).ends_with("\nS3,\"A\",\"B\",1,0.000,valley,4.0000,2.0000,\n"));
         answer.shop.thickness = Some(10.0);
         assert!(text(bevels(&answer, mm)).ends_with(",2.0000,-0.349\n"));
+        assert!(joints(&answer, mm).is_none());
+        let station = |kink: f64| BevelStation { position: 0.0, kink: kink.to_radians() };
+        let stations = vec![station(-1e-9), station(3.5)];
+        answer.parts = vec![Part::new("a", 0, 1), Part::new("b", 1, 1)];
+        answer.joints = vec![
+            PartJoint { name: "J1".into(), parts: [0, 1], lengths: [80.0, 80.0 - 1e-9], stations: stations.clone() },
+            PartJoint { name: "J2".into(), parts: [1, 1], lengths: [80.0, f64::NAN], stations },
+        ];
+        let rows = text(joints(&answer, mm));
+        assert!(
+            rows.ends_with(
+                "J1,\"a\",\"b\",80.0000,80.0000,0.0000,0.0000,3.5000\nJ2,\"b\",\"b\",80.0000,,,0.0000,3.5000\n"
+            ),
+            "{rows}"
+        );
     }
 }
