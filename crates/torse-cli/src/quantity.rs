@@ -314,7 +314,7 @@ mod tests {
         assert_eq!(of("y=0../1m"), Ok(("y".into(), 0.0, f64::INFINITY, 1000.0)));
         let every = Ok(("x".into(), f64::NEG_INFINITY, f64::INFINITY, 500.0));
         assert_eq!([of("x=500mm.."), of("x=500mm..step"), of("x = ../500mm")], [every.clone(), every.clone(), every]);
-        assert_eq!(of("z=1/2in..3/4in/1/8in"), Ok(("z".into(), 12.7, 19.05, 3.175)));
+        assert_eq!(of("z=1/4in..1/2in/1/8in"), Ok(("z".into(), 6.35, 12.7, 3.175)));
         for bad in
             ["x", "w=1mm", "x=1", "x=2m..1m/1mm", "x=1mm/1mm", "x=../0mm", "x=../-1mm", "x=..", "x=0mm..", "x=..1m"]
         {
