@@ -138,15 +138,29 @@ pub fn section(text: &str) -> Result<Section, String> {
     Ok(Section { axis, at: place(at)? })
 }
 
-/// Reads planes: `x=500mm`, `x=0mm..6m/500mm` (from, to, step) or `x=../500mm` (multiples of the step across the model).
+/// Reads planes: `x=500mm`, `x=0mm..6m/500mm` (from, to, step), `x=0mm../500mm` (from there on), or all multiples of a step across
+/// the model: `x=../500mm`, `x=500mm..` or `x=500mm..step`.
 pub fn stations(text: &str) -> Result<Stations, String> {
-    let example = "write x=500mm, x=0mm..6m/500mm or x=../500mm";
+    let example = "write x=500mm (one plane), x=0mm..6m/500mm (from, to, step) or x=500mm.. (every 500 mm)";
     let (name, places) = text.split_once('=').ok_or_else(|| format!("'{text}': {example}"))?;
     let normal = axis(name).ok_or_else(|| format!("'{}' is no axis: {example}", name.trim()))?;
     let name = name.trim().to_lowercase();
-    let Some((range, step)) = places.split_once('/') else {
-        let at = place(places)?;
-        return Ok(Stations { normal, name, from: at, to: at, step: 1.0 });
+    let multiples = |step: f64| (f64::NEG_INFINITY, f64::INFINITY, step);
+    let named = |(from, to, step): (f64, f64, f64)| Stations { normal, name: name.clone(), from, to, step };
+    let Some((range, step)) = separated(places, example)? else {
+        let Some((step, end)) = places.split_once("..") else {
+            let at = place(places).map_err(|e| format!("{e}; {example}"))?;
+            return Ok(named((at, at, 1.0)));
+        };
+        // A range without a step: who gives one length means every so many.
+        return match (step.trim(), end.trim()) {
+            ("", "" | "step") => Err(format!("'{places}' has no step: {example}")),
+            (step, "" | "step") => {
+                let step = positive_length(step).map_err(|e| format!("{e}; {example}"))?;
+                Ok(named(multiples(step.mm)))
+            }
+            (from, to) => Err(format!("'{from}..{to}' has no step; write it behind: {name}={from}..{to}/500mm")),
+        };
     };
     let (from, to) = range.split_once("..").ok_or_else(|| format!("'{range}' is no range: {example}"))?;
     let end = |text: &str, open: f64| if text.trim().is_empty() { Ok(open) } else { place(text) };
@@ -154,7 +168,25 @@ pub fn stations(text: &str) -> Result<Stations, String> {
     if from > to {
         return Err(format!("'{range}' runs backwards: {example}"));
     }
-    Ok(Stations { normal, name, from, to, step: positive_length(step)?.mm })
+    let step = positive_length(step).map_err(|e| format!("{e}; {example}"))?;
+    Ok(named((from, to, step.mm)))
+}
+
+/// A range and its step, which follows a slash; slashes of fractions are before a unit.
+fn separated<'a>(places: &'a str, example: &str) -> Result<Option<(&'a str, &'a str)>, String> {
+    let Some(dots) = places.find("..") else {
+        let step = places.rsplit_once('/').filter(|(at, _)| place(at).is_ok());
+        return match step {
+            Some((at, step)) => Err(format!("'{at}' is one plane, and has no step '{step}': {example}")),
+            None => Ok(None),
+        };
+    };
+    let behind = &places[dots + 2..];
+    // Of 1/2in/1/4in the slash in the middle.
+    let of = |at: usize| (&places[..dots + 2 + at], &behind[at + 1..]);
+    let is_end = |text: &str| text.trim().is_empty() || place(text).is_ok();
+    let mut slashes = behind.match_indices('/').map(|(at, _)| at);
+    Ok(slashes.find(|at| is_end(&behind[..*at])).map(of))
 }
 
 /// Reads a direction: an axis with or without a sign, or three numbers.
@@ -280,8 +312,22 @@ mod tests {
         assert_eq!(of("Z=-1m..2m/25cm"), Ok(("z".into(), -1000.0, 2000.0, 250.0)));
         assert_eq!(of("y=../1in"), Ok(("y".into(), f64::NEG_INFINITY, f64::INFINITY, 25.4)));
         assert_eq!(of("y=0../1m"), Ok(("y".into(), 0.0, f64::INFINITY, 1000.0)));
-        for bad in ["x", "w=1mm", "x=1", "x=2m..1m/1mm", "x=1mm/1mm", "x=../0mm", "x=../-1mm"] {
+        let every = Ok(("x".into(), f64::NEG_INFINITY, f64::INFINITY, 500.0));
+        assert_eq!([of("x=500mm.."), of("x=500mm..step"), of("x = ../500mm")], [every.clone(), every.clone(), every]);
+        assert_eq!(of("z=1/4in..1/2in/1/8in"), Ok(("z".into(), 6.35, 12.7, 3.175)));
+        for bad in
+            ["x", "w=1mm", "x=1", "x=2m..1m/1mm", "x=1mm/1mm", "x=../0mm", "x=../-1mm", "x=..", "x=0mm..", "x=..1m"]
+        {
             assert!(stations(bad).is_err(), "{bad}");
+        }
+        for (bad, words) in [
+            ("x=0mm..6m", "x=0mm..6m/500mm"),
+            ("x=..step", "has no step"),
+            ("x=500mm/100mm", "is one plane"),
+            ("x=500..", "500mm"),
+        ] {
+            let said = stations(bad).expect_err(bad);
+            assert!(said.contains(words), "{said}");
         }
     }
 

@@ -25,11 +25,13 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
     let own = own.map(|(name, bytes)| (name, String::from_utf8_lossy(&bytes).into_owned()));
     let own = own.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
     let material = shop.material.as_ref().map(|name| materials::material(name, own)).transpose();
-    let help = |e: &materials::MaterialError| match e {
+    let help = |e: &materials::MaterialError| {
+        match e {
         materials::MaterialError::Missing { .. } => "give one of these names, or a table of your own with --materials",
         materials::MaterialError::Line { .. } => {
-            "the columns are material, density (kg/m³), and if known least_radius (1.5t or 4mm), k and note"
+            "the columns, or keys, are material, density (kg/m³), and if known least_radius (1.5t or 4mm), k, note and source"
         }
+    }
     };
     Ok(WorkshopOptions {
         material: material.map_err(|e| Failure::new(e.to_string(), help(&e)))?,
@@ -37,6 +39,7 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
         side: shop.side.of_sheet(),
         k,
         kinked: shop.facets.is_some(),
+        offsets: shop.offsets,
         stations: shop.mark_sections.clone(),
         ..WorkshopOptions::default()
     })

@@ -50,6 +50,7 @@ fn one(arguments: &Unroll, model: &Model, job: Job) -> Result<bool, Failure> {
     let options = UnrollOptions {
         k: if arguments.surfaces { KFactor::default() } else { job.k().unwrap_or_default() },
         facets: arguments.files.shop.facets,
+        bend_step: arguments.bend_step.to_radians(),
         surfaces: arguments.surfaces,
         sheet: job.sheet(),
         joins: arguments.bends.clone(),

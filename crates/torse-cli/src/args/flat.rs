@@ -1,7 +1,7 @@
 //! Arguments of `unroll` and `shape`.
 
 use super::{Chosen, Drawing, Files};
-use crate::quantity::{positive_length, positive_time, unit_of_length, Length};
+use crate::quantity::{bend_step, positive_length, positive_time, unit_of_length, Length};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -57,6 +57,11 @@ pub struct Unroll {
     /// of sharp bends, the report those that are cut
     #[arg(long, value_name = "WHICH", value_parser = joins, default_value = "all")]
     pub bends: Joins,
+
+    /// Turn of the sheet from one bend line of a rolled face to the next, in degrees: 5deg. More are drawn where the part could not be
+    /// bent back from these
+    #[arg(long, value_name = "ANGLE", default_value = "5deg", value_parser = bend_step, allow_hyphen_values = true)]
+    pub bend_step: f64,
 
     /// Stop after this time, with its unit: 60s, 5min; bodies that were not begun are named and the rest is written
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]

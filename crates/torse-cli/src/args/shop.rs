@@ -19,7 +19,8 @@ pub struct Shop {
     #[arg(long, help_heading = SHEET, value_name = "NAME")]
     pub material: Option<String>,
 
-    /// Table of own materials (.csv): material, density (kg/m³), least_radius (1.5t or 4mm), k, note
+    /// Own materials, as a table (.csv: material, density in kg/m³, least_radius (1.5t or 4mm), k, note, source) or as TOML
+    /// (.toml: a table of these for every material)
     #[arg(long, help_heading = SHEET, value_name = "FILE", requires = "material")]
     pub materials: Option<PathBuf>,
 
@@ -30,6 +31,11 @@ pub struct Shop {
     /// Which side of the sheet the given surface is
     #[arg(long, help_heading = SHEET, value_name = "SIDE", value_enum, default_value_t = Side::Middle, requires = "thickness")]
     pub side: Side,
+
+    /// Also write the sides of the sheet and its neutral surface for CAD: inside.step, neutral.step and outside.step, the panels at
+    /// constant distances
+    #[arg(long, help_heading = SHEET, requires = "thickness")]
+    pub offsets: bool,
 
     /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
     /// 'din' for the formula of DIN 6935, or a table (.csv) with the columns R/t (inside radius over thickness) and K
@@ -43,8 +49,8 @@ pub struct Shop {
     #[arg(long, help_heading = SHEET, value_name = "HOW", value_parser = facets, allow_hyphen_values = true)]
     pub facets: Option<Facets>,
 
-    /// Planes whose sections with the parts are marked: x=500mm, x=0mm..6m/500mm (from, to, step) or z=../250mm (all
-    /// multiples of the step across the model); may be given several times
+    /// Planes whose sections with the parts are marked: x=500mm, x=0mm..6m/500mm (from, to, step) or z=250mm.. (all
+    /// multiples of the step across the model, also z=../250mm); may be given several times
     #[arg(long, help_heading = SHEET, value_name = "AXIS=PLACES", value_parser = stations, allow_hyphen_values = true)]
     pub mark_sections: Vec<Stations>,
 }

@@ -14,7 +14,7 @@ pub const MANIFEST: &str = "torse-files.json";
 const SCHEMA: &str = "torse-files/1";
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 37] = [
+const RESULT_NAMES: [&str; 41] = [
     MANIFEST,
     "report.json",
     "report.html",
@@ -24,6 +24,9 @@ const RESULT_NAMES: [&str; 37] = [
     "strips.step",
     "cones.step",
     "thickness.step",
+    "inside.step",
+    "neutral.step",
+    "outside.step",
     "patterns.dxf",
     "patterns.svg",
     "bends.csv",
@@ -32,6 +35,7 @@ const RESULT_NAMES: [&str; 37] = [
     "roll_table.csv",
     "facets.csv",
     "bevels.csv",
+    "joints.csv",
     "model.glb",
     "thickness.glb",
     "bending.glb",

@@ -14,6 +14,7 @@ use crate::certify::claim::{Claim, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::written::WrittenCertificate;
 use crate::certify::Certificate;
+use crate::develop::unfold::joints::PartJoint;
 use crate::develop::unfold::part::{PlacedChart, SheetPart};
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::LengthUnit;
@@ -150,6 +151,8 @@ pub struct Answer {
     pub sheets: Vec<SheetPart>,
     /// Of parts that are one face of the input, laid flat by its own map, that map, in the order of the patterns.
     pub charts: Vec<Option<PlacedChart>>,
+    /// Joints of parts that were laid flat, which share an edge of their file.
+    pub joints: Vec<PartJoint>,
     /// What was proven about flat patterns, in the same order; empty where lengths were only measured.
     pub(crate) flat: Vec<FlatCertificate>,
     /// Files that were read back, by name, and whether they hold what was judged; empty before anything is written.
@@ -217,6 +220,7 @@ impl Answer {
             patterns: Vec::new(),
             sheets: Vec::new(),
             charts: Vec::new(),
+            joints: Vec::new(),
             flat: Vec::new(),
             written: Vec::new(),
             cones: None,

@@ -3,11 +3,12 @@
 use crate::develop::shop::bevel::SeamBevel;
 use crate::develop::shop::facets::Faceted;
 use crate::develop::shop::material::Material;
+use crate::develop::shop::offsets::OffsetPanel;
 use crate::develop::shop::roll::RollStation;
 use crate::develop::shop::thickness::PartSheet;
 
 /// Sheet and work of an answer.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Shop {
     /// What the sheet is made of.
     pub material: Option<Material>,
@@ -17,6 +18,42 @@ pub struct Shop {
     pub work: Vec<PartWork>,
     /// Bevels along seams between panels.
     pub bevels: Vec<SeamBevel>,
+    /// Surfaces of the sheet in space, where they were asked for.
+    pub offsets: Vec<OffsetFile>,
+}
+
+/// A surface of a sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum OffsetSide {
+    /// Its inside, as seen from the model.
+    Inside,
+    /// The neutral fibre of its bends.
+    Neutral,
+    /// Its outside.
+    Outside,
+}
+
+impl OffsetSide {
+    /// All of them, from the inside outwards.
+    pub const ALL: [Self; 3] = [Self::Inside, Self::Neutral, Self::Outside];
+
+    /// Name of its file.
+    pub fn file(self) -> &'static str {
+        match self {
+            Self::Inside => "inside.step",
+            Self::Neutral => "neutral.step",
+            Self::Outside => "outside.step",
+        }
+    }
+}
+
+/// One surface of the sheet beside all panels that have it.
+#[derive(Clone, Debug)]
+pub struct OffsetFile {
+    /// Which.
+    pub side: OffsetSide,
+    /// The panels moved there.
+    pub panels: Vec<OffsetPanel>,
 }
 
 /// The work on one part.

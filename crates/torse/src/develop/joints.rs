@@ -5,7 +5,7 @@ use super::map::Development;
 use super::outline::FlatCoedge;
 use super::pattern::{developed, MARK_SPACING};
 use crate::geom::{Vec2, Vec3};
-use crate::patchwork::joint::{joints, JointSide};
+use crate::patchwork::joint::{foot, joints, JointSide};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::{Mark, MarkPlace, Pattern};
 use std::collections::HashMap;
@@ -20,7 +20,7 @@ pub(crate) fn with_marks_across(patchwork: &Patchwork, mut patterns: Vec<Pattern
         for side in &seam.sides {
             maps.entry(side.panel).or_insert_with(|| map(patchwork, side.panel));
         }
-        let count = (seam.length() / (MARK_SPACING * diagonal).max(f64::MIN_POSITIVE)).round().clamp(1.0, 9.0) as usize;
+        let count = mark_count(seam.length(), diagonal);
         for k in 1..=count {
             let s = k as f64 / (count + 1) as f64;
             let label = format!("S{}.{k} {:.1}deg", seam.seam, seam.kink(s).to_degrees());
@@ -56,7 +56,7 @@ pub(crate) fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>
             continue;
         }
         for (k, pair) in joint.pairs.iter().enumerate() {
-            let label = format!("J{}.{}", number + 1, k + 1);
+            let label = format!("{}.{}", joint_name(number), k + 1);
             let [p, q] = [0, 1].map(|i: usize| Vec3::from(joint.sides[i].run.edge.point(pair[i])));
             let on = |i: usize| {
                 let (side, s) = (&joint.sides[i], pair[i]);
@@ -72,6 +72,33 @@ pub(crate) fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>
         }
     }
     patterns
+}
+
+/// Marks on one side of a seam or joint at most.
+const MOST_MARKS: f64 = 9.0;
+
+/// Number of marks on either side of a joint so long (mm), of parts whose largest face has a box of this diagonal (mm).
+pub(crate) fn mark_count(length: f64, diagonal: f64) -> usize {
+    (length / (MARK_SPACING * diagonal).max(f64::MIN_POSITIVE)).round().clamp(1.0, MOST_MARKS) as usize
+}
+
+/// Name of a joint by its number, counted from 0: what the labels of its marks have in common.
+pub(crate) fn joint_name(number: usize) -> String {
+    format!("J{}", number + 1)
+}
+
+/// Places in the plane of places in space on the outline of a panel, each with the unit vector into the panel. `None` where the panel
+/// cannot be developed.
+pub(crate) fn places_on_outline(patchwork: &Patchwork, panel: usize, places: &[Vec3]) -> Option<Vec<(Vec2, Vec2)>> {
+    let (development, mirrored) = map(patchwork, panel)?;
+    let runs: Vec<_> = patchwork.panels[panel].loops().iter().flatten().filter(|r| !r.is_point()).collect();
+    let on = |x: &Vec3| {
+        let feet = runs.iter().map(|run| (*run, foot(run, x)));
+        let (run, (s, _)) = feet.min_by(|a, b| a.1 .1.total_cmp(&b.1 .1))?;
+        let mark = mark(patchwork, &JointSide { panel, run }, s, (&development, mirrored), "")?;
+        Some((mark.point, mark.inward))
+    };
+    places.iter().map(on).collect()
 }
 
 /// The map of a panel to the plane, and whether its outline runs the other way round there.

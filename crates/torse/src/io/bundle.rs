@@ -10,7 +10,9 @@ use super::step::write::{self as step, Header, Shell};
 use super::{bend_table, bends, dxf, iges, marks, parts, shop_tables, svg, threedm};
 use crate::answer::cone_panels;
 use crate::answer::presentation::Presentation;
+use crate::answer::shop::OffsetFile;
 use crate::answer::Answer;
+use crate::develop::shop::offsets::OffsetPanel;
 use crate::draw::scene::{titled, Scene};
 use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
@@ -95,12 +97,31 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
     // Nothing of these strips lies flat.
     let mut out = if answer.lays_flat() { vec![step?, dxf?, svg?] } else { vec![step?] };
     out.extend(copies(answer, shown, &header)?);
+    for offsets in &answer.shop.offsets {
+        out.push(offset_file(offsets, shown, &header)?);
+    }
     let names = part_files(shown.alone.iter().map(|(part, _)| part.as_str()));
     for (name, (_, drawing)) in names.into_iter().zip(&shown.alone) {
         let (_, bytes) = text("patterns.dxf", |b| dxf::write(b, drawing))?;
         out.push((name, bytes));
     }
     Ok(out)
+}
+
+/// A surface of the sheet beside the panels.
+fn offset_file(offsets: &OffsetFile, shown: &Presentation, header: &Header) -> Result<File, BundleError> {
+    let off = offsets.panels.iter().map(|p| p.edge_error).fold(LEAST_UNCERTAINTY, f64::max);
+    let header = Header { uncertainty: off, ..header.clone() };
+    let shell = |p: &OffsetPanel| {
+        let shell = Shell::of_offset(p);
+        if shown.marks.panels.get(p.panel).copied().unwrap_or(true) {
+            shell.marked()
+        } else {
+            shell
+        }
+    };
+    let shells: Vec<Shell> = offsets.panels.iter().map(shell).collect();
+    text(offsets.side.file(), |b| step::shells(b, &header, &shells))
 }
 
 /// The panels in further formats: copies of [`PANELS`], or of [`CONES`] as splines.
@@ -159,6 +180,7 @@ pub(crate) fn with_reports(
     out.extend(shop_tables::roll(answer, unit).map(|b| ("roll_table.csv".into(), b)));
     out.extend(shop_tables::facets(answer, unit).map(|b| ("facets.csv".into(), b)));
     out.extend(shop_tables::bevels(answer, unit).map(|b| ("bevels.csv".into(), b)));
+    out.extend(shop_tables::joints(answer, unit).map(|b| ("joints.csv".into(), b)));
     out.extend(parts::csv(&report, &answer.patterns, unit).map(|b| ("parts.csv".into(), b)));
     let page = html::write(&Page {
         report: &report,

@@ -161,6 +161,9 @@ pub struct JointRecord {
     /// Largest distance in space of two marks that belong together, mm: how far the panels are from meeting there. Measured.
     #[serde(default)]
     pub gap_estimate: Option<f64>,
+    /// Length of each side in the plane, mm, where parts share an edge of their file; else null. Measured.
+    #[serde(default)]
+    pub lengths_estimate: Option<[f64; 2]>,
 }
 
 /// A line along which two pieces of a composite meet.
@@ -613,6 +616,7 @@ pub(crate) mod tests {
                 between: ["A-01".into(), "A-02".into()],
                 marks: 3,
                 gap_estimate: Some(0.25),
+                lengths_estimate: Some([80.0, 80.5]),
             }],
             joins: vec![],
             seams: vec![SeamRecord {

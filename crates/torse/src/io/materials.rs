@@ -1,49 +1,21 @@
-//! Tables of materials (CSV): those that come with the program, and people's own; tables of K-factors.
+//! Tables of materials (CSV or TOML): those that come with the program, and people's own; tables of K-factors.
 //!
 //! The first line names the columns, in any order: `material` and `density` (kg/m³), and if known `least_radius` (`1.5t` or
-//! `4mm`), `k` (a number, `din`, or pairs `R/t:k`) and `note`. `#` begins a comment line. A table and not TOML, because every
-//! shop has a program for tables, and no reader of another format had to be brought in.
+//! `4mm`), `k` (a number, `din`, or pairs `R/t:k`), `note` and `source`. `#` begins a comment line. In TOML every material is a table
+//! under its name with the same keys; `k` may be an array of pairs there.
 
-use crate::develop::shop::material::{LeastRadius, Material};
-use crate::develop::unfold::allowance::KFactor;
+mod card;
+mod from_toml;
+
+pub use card::MaterialError;
+
+use crate::develop::shop::material::Material;
+use card::{card, wrong, COLUMNS};
 
 /// The table that comes with the program.
 const SHIPPED: &str = include_str!("materials.csv");
-/// Columns of a table.
-const COLUMNS: [&str; 5] = ["material", "density", "least_radius", "k", "note"];
-/// The lightest foam, kg/m³: smaller numbers are meant in another unit.
-const LIGHTEST: f64 = 15.0;
-/// Density of the heaviest metal, kg/m³.
-const HEAVIEST: f64 = 23_000.0;
 /// Name of that table in messages.
 const SHIPPED_NAME: &str = "the table of the program";
-
-/// A table that cannot be used, or a material that is not in it.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MaterialError {
-    /// A line that says nothing that can be meant.
-    #[error("{file}, line {line}{card}: {reason}")]
-    Line {
-        /// Name of the table.
-        file: String,
-        /// Line, from 1.
-        line: usize,
-        /// The material, with words before it; empty where the line has none.
-        card: String,
-        /// What is wrong.
-        reason: String,
-    },
-    /// No such material.
-    #[error("there is no material '{name}'; {file} has {known}")]
-    Missing {
-        /// Name asked for.
-        name: String,
-        /// Name of the table.
-        file: String,
-        /// Names that there are.
-        known: String,
-    },
-}
 
 /// The materials that come with the program.
 ///
@@ -72,11 +44,19 @@ pub fn material(name: &str, own: Option<(&str, &str)>) -> Result<Material, Mater
     all.into_iter().find(|m| m.is_called(name)).ok_or(missing)
 }
 
-/// Reads a table; `file` names it in messages.
+/// Reads a table, as TOML if its file is called so; `file` names it in messages.
 ///
 /// # Errors
 /// The line, the material and what is wrong with it.
 pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
+    if file.to_ascii_lowercase().ends_with(".toml") {
+        return from_toml::read(file, text.trim_start_matches('\u{feff}'));
+    }
+    table(file, text)
+}
+
+/// Reads a table of cells.
+fn table(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
     let mut columns: Option<Vec<String>> = None;
     let mut out: Vec<Material> = Vec::new();
     for (k, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
@@ -84,12 +64,7 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
             continue;
         }
         let cells = cells(line);
-        let fault = |card: &str, reason: String| MaterialError::Line {
-            file: file.into(),
-            line: k + 1,
-            card: if card.is_empty() { String::new() } else { format!(", material '{card}'") },
-            reason,
-        };
+        let fault = |card: &str, reason: String| wrong((file, k + 1), card, reason);
         let Some(names) = &columns else {
             let names: Vec<String> = cells.iter().map(|c| heading(c)).collect();
             if let Some(missing) = ["material", "density"].iter().find(|n| !names.iter().any(|c| c == *n)) {
@@ -169,62 +144,6 @@ fn heading(cell: &str) -> String {
     word.trim().to_ascii_lowercase().replace([' ', '-'], "_")
 }
 
-/// A material from the cells of its row.
-fn card<'a>(cell: &impl Fn(&str) -> &'a str) -> Result<Material, String> {
-    let name = cell("material").to_owned();
-    if name.is_empty() {
-        return Err("the material has no name".into());
-    }
-    let density =
-        positive(cell("density")).ok_or(format!("the density '{}' is no positive number", cell("density")))?;
-    if !(LIGHTEST..=HEAVIEST).contains(&density) {
-        return Err(format!("the density {density} is none of a solid in kg/m³ (steel has 7850)"));
-    }
-    let k = k_factor(cell("k"))?;
-    if let Some(k) = &k {
-        k.check().map_err(|e| e.to_string())?;
-    }
-    Ok(Material { name, density, least_radius: least_radius(cell("least_radius"))?, k, note: cell("note").to_owned() })
-}
-
-fn positive(text: &str) -> Option<f64> {
-    text.trim().parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite())
-}
-
-fn least_radius(text: &str) -> Result<Option<LeastRadius>, String> {
-    let fault =
-        || format!("the least radius '{text}' is neither a multiple of the thickness (1.5t) nor a length (4mm)");
-    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| *x >= 0.0 && x.is_finite()).ok_or_else(fault);
-    match text {
-        "" => Ok(None),
-        t => match (t.strip_suffix('t'), t.strip_suffix("mm")) {
-            (Some(n), _) => Ok(Some(LeastRadius::Thicknesses(number(n)?))),
-            (_, Some(n)) => Ok(Some(LeastRadius::Length(number(n)?))),
-            _ => Err(fault()),
-        },
-    }
-}
-
-fn k_factor(text: &str) -> Result<Option<KFactor>, String> {
-    let fault =
-        || format!("k '{text}' is no share of the thickness (0.44), not 'din', and no pairs R/t:k (1:0.38 3:0.44)");
-    if text.is_empty() {
-        return Ok(None);
-    }
-    if text.eq_ignore_ascii_case("din") {
-        return Ok(Some(KFactor::Din));
-    }
-    if !text.contains(':') {
-        return text.parse().map(KFactor::Ansi).map(Some).map_err(|_| fault());
-    }
-    let pair = |w: &str| {
-        let (a, b) = w.split_once(':')?;
-        Some([a.parse::<f64>().ok()?, b.parse::<f64>().ok()?])
-    };
-    let rows: Option<Vec<[f64; 2]>> = text.split_whitespace().map(pair).collect();
-    rows.map(|rows| Some(KFactor::Table(rows))).ok_or_else(fault)
-}
-
 /// Cells of a row, separated by commas or semicolons; in double quotes these are text.
 fn cells(line: &str) -> Vec<String> {
     let separator = if outside_quotes(line, ';') { ';' } else { ',' };
@@ -251,6 +170,8 @@ fn outside_quotes(line: &str, wanted: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::develop::shop::material::LeastRadius;
+    use crate::develop::unfold::allowance::KFactor;
 
     #[test]
     fn the_table_of_the_program_is_sound() {

@@ -62,22 +62,22 @@ pub fn facets(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     any.then(|| out.into_bytes())
 }
 
-/// Bevels along every seam: `bevels.csv`; lengths in `unit`. `None` where there are no seams.
+/// Bevels along every seam and joint: `bevels.csv`; lengths in `unit`. `None` where there are none.
 pub fn bevels(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
         "seam,part_a,part_b,station,position_{sign},fold,kink_deg,bevel_deg,inside_ends_before_outside_{sign}\n"
     );
-    let name = |k: usize| answer.patchwork.panels.get(k).map_or_else(String::new, |p| quoted(&p.strip.name));
     for seam in &answer.shop.bevels {
         for (k, s) in seam.stations.iter().enumerate() {
-            let setback = answer.shop.thickness.map_or_else(String::new, |t| format!("{:.3}", unit.of(s.setback(t))));
+            let thickness = seam.thickness.or(answer.shop.thickness);
+            let setback = thickness.map_or_else(String::new, |t| format!("{:.3}", unit.of(s.setback(t))));
             _ = writeln!(
                 out,
-                "S{},{},{},{},{:.3},{},{:.4},{:.4},{setback}",
-                seam.seam,
-                name(seam.panels[0]),
-                name(seam.panels[1]),
+                "{},{},{},{},{:.3},{},{:.4},{:.4},{setback}",
+                seam.name,
+                quoted(&seam.between[0]),
+                quoted(&seam.between[1]),
                 k + 1,
                 unit.of(s.position),
                 if s.kink < 0.0 { "valley" } else { "ridge" },
@@ -87,6 +87,42 @@ pub fn bevels(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
         }
     }
     (!answer.shop.bevels.is_empty()).then(|| out.into_bytes())
+}
+
+/// A number with four digits; zero without a sign.
+fn printed(x: f64) -> String {
+    let text = format!("{x:.4}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| "0.".contains(c)) => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// Joints of parts that were laid flat with the lengths of both sides in the plane: `joints.csv`; lengths in `unit`. `None` where
+/// there are none.
+pub(crate) fn joints(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
+    let sign = unit.sign();
+    let mut out =
+        format!("joint,part_a,part_b,length_a_{sign},length_b_{sign},difference_{sign},kink_least_deg,kink_most_deg\n");
+    let name = |k: usize| answer.parts.get(k).map_or_else(String::new, |p| quoted(&p.name));
+    for joint in &answer.joints {
+        let [a, b] = joint.lengths;
+        let length = |x: f64| if x.is_finite() { printed(unit.of(x)) } else { String::new() };
+        let kinks = || joint.stations.iter().map(|s| s.kink.to_degrees());
+        _ = writeln!(
+            out,
+            "{},{},{},{},{},{},{},{}",
+            joint.name,
+            name(joint.parts[0]),
+            name(joint.parts[1]),
+            length(a),
+            length(b),
+            length(b - a),
+            printed(kinks().fold(f64::INFINITY, f64::min)),
+            printed(kinks().fold(f64::NEG_INFINITY, f64::max))
+        );
+    }
+    (!answer.joints.is_empty()).then(|| out.into_bytes())
 }
 
 fn quoted(name: &str) -> String {
@@ -126,7 +162,9 @@ mod tests {
     use crate::answer::Job;
     use crate::develop::shop::bevel::{BevelStation, SeamBevel};
     use crate::develop::shop::roll::RollStation;
+    use crate::develop::unfold::joints::PartJoint;
     use crate::geom::Vec2;
+    use crate::patchwork::part::Part;
     use crate::patchwork::pattern::Pattern;
 
     #[test]
@@ -145,14 +183,30 @@ mod tests {
         assert!(roll(&answer, mm).is_none() && facets(&answer, mm).is_none() && bevels(&answer, mm).is_none());
         answer.shop.work = vec![PartWork { roll: vec![station], ..PartWork::default() }];
         answer.shop.bevels = vec![SeamBevel {
-            seam: 3,
-            panels: [0, 1],
+            name: "S3".into(),
+            between: ["A".into(), "B".into()],
+            thickness: None,
             stations: vec![BevelStation { position: 0.0, kink: (-4.0f64).to_radians() }],
         }];
         let text = |b: Option<Vec<u8>>| String::from_utf8(b.expect("a table")).expect("text");
         assert!(text(roll(&answer, LengthUnit::Inch)).ends_with("\n\"a \"\"b\"\"\",outside,1,10.000,20.000,,-0.500\n"));
-        assert!(text(bevels(&answer, mm)).ends_with("\nS3,,,1,0.000,valley,4.0000,2.0000,\n"));
+        assert!(text(bevels(&answer, mm)).ends_with("\nS3,\"A\",\"B\",1,0.000,valley,4.0000,2.0000,\n"));
         answer.shop.thickness = Some(10.0);
         assert!(text(bevels(&answer, mm)).ends_with(",2.0000,-0.349\n"));
+        assert!(joints(&answer, mm).is_none());
+        let station = |kink: f64| BevelStation { position: 0.0, kink: kink.to_radians() };
+        let stations = vec![station(-1e-9), station(3.5)];
+        answer.parts = vec![Part::new("a", 0, 1), Part::new("b", 1, 1)];
+        answer.joints = vec![
+            PartJoint { name: "J1".into(), parts: [0, 1], lengths: [80.0, 80.0 - 1e-9], stations: stations.clone() },
+            PartJoint { name: "J2".into(), parts: [1, 1], lengths: [80.0, f64::NAN], stations },
+        ];
+        let rows = text(joints(&answer, mm));
+        assert!(
+            rows.ends_with(
+                "J1,\"a\",\"b\",80.0000,80.0000,0.0000,0.0000,3.5000\nJ2,\"b\",\"b\",80.0000,,,0.0000,3.5000\n"
+            ),
+            "{rows}"
+        );
     }
 }

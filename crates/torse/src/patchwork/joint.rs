@@ -99,6 +99,12 @@ impl<'a> CoedgePolyline<'a> {
     }
 }
 
+/// Parameter of the place of a run that is nearest to a point, and its distance, mm.
+pub(crate) fn foot(run: &Coedge, x: &Vec3) -> (f64, f64) {
+    let (s, far, _) = CoedgePolyline::new(0, run, (0, 0, 0), 0.0).foot(x);
+    (s, far)
+}
+
 fn point(run: &Coedge, s: f64) -> Vec3 {
     Vec3::from(run.edge.point(s))
 }

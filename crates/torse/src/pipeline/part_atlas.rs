@@ -10,7 +10,7 @@ use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, S
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{one_family, sheet, RefoldError};
 use crate::develop::shop::thickness::SheetSide;
-use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::allowance::{Fibre, KFactor};
 use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
 use crate::io::json::NeutralRecord;
@@ -40,14 +40,16 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     };
     // Sheet metal has its lines from edge to edge, panels a little less.
     let inset = if part.bends.is_empty() { part.record.contour_error.unwrap_or(0.0) } else { 0.0 };
+    let body = part.record.neutral.as_ref().filter(|n| n.side.is_none());
     FlatPart {
+        fibre: body.and_then(|n| Some(Fibre { k: n.k.factor()?, thickness: greatest(n), above: 0.0 })),
         loops: part.contours.iter().map(|c| polygon(c, size)).collect(),
         joints,
         lines: part.lines.iter().enumerate().map(line).collect(),
         bends: part.bends.iter().map(bend).collect(),
         extents: part.extents.clone(),
         inset,
-        thickness: part.record.neutral.as_ref().filter(|n| n.side.is_none()).map_or(0.0, greatest),
+        thickness: body.map_or(0.0, greatest),
         printed: part.printed,
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
     }
@@ -84,7 +86,7 @@ fn is_straight(part: &FlatPart, bend: &SheetRow) -> bool {
 /// See [`RefoldError`].
 pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
     let varies = |b: &&SheetRow| b.rolled && !b.allowance.is_finite();
-    if let Some(row) = part.bends.iter().find(varies).filter(|_| part.thickness > 0.0) {
+    if let Some(row) = part.bends.iter().find(varies).filter(|_| part.thickness > 0.0 && part.fibre.is_none()) {
         return Err(RefoldError::Neutral { line: row.lines.start + 1 });
     }
     let curved = |b: &&SheetRow| !b.rolled && !is_straight(part, b);

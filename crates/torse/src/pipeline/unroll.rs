@@ -2,6 +2,7 @@
 
 mod bodies;
 mod covered;
+mod joined;
 mod options;
 mod proofs;
 #[cfg(test)]
@@ -11,6 +12,7 @@ pub use bodies::groups;
 use options::UNFOLDED;
 pub use options::{UnrollError, UnrollOptions};
 
+use crate::answer::joints::apart;
 use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
@@ -29,6 +31,7 @@ use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::FaceReason;
 use crate::search::strips::face_panel::{face_panel, LaidFace};
+use joined::joined;
 #[cfg(test)]
 use proofs::assessed;
 use proofs::{fault, proven};
@@ -73,6 +76,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     control.report("proving", UNFOLDED, format!("{} parts", parts.len()));
     let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
         parts.par_iter_mut().map(|p| proven(p, &faces, options.tolerance, control)).unzip();
+    let joints = joined(&mut parts, &through_panels);
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
@@ -117,6 +121,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         notes: model.notes.iter().cloned().chain(told).collect(),
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
         charts: parts.iter_mut().map(|p| p.chart.take()).collect(),
+        joints,
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
     let touching = parts.iter().zip(&proofs).filter(|p| !p.1.is_in_one_layer()).map(|p| p.0.pattern.name.clone());
@@ -125,6 +130,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
     }
     answer.notes.extend(notes(&parts, options).into_iter().chain(absent).map(Note::Unroll));
+    answer.notes.extend(apart(&answer.patterns, options.tolerance));
     if let Some(tolerance) = options.approximate {
         let rest = (0..faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| faces[k].clone()).collect();
         covered::add(&mut answer, rest, tolerance, control)?;

@@ -4,6 +4,7 @@
 //! measured from then on, and say so.
 
 mod made;
+mod offsets;
 mod options;
 mod planes;
 mod refusals;
@@ -12,7 +13,7 @@ use crate::answer::note::{Note, ShopNote};
 use crate::answer::shop::{PartWork, Shop};
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Subject, What};
-use crate::develop::shop::bevel::bevels;
+use crate::develop::shop::bevel::{bevels, SeamBevel};
 use crate::develop::shop::thickness::{below_least, too_tight, Sheet};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
@@ -22,6 +23,7 @@ use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
 use crate::search::strips::cut::flat_area;
 use made::{made, Made};
+use offsets::offsets;
 pub use options::{Stations, WorkshopError, WorkshopOptions};
 use planes::planes;
 use rayon::prelude::*;
@@ -80,18 +82,35 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         }
         answer.shop.work.push(work);
     }
-    if answer.covers_faces() {
-        answer.shop.bevels = bevels(&answer.patchwork);
-    }
+    answer.shop.bevels = bevelled(answer);
+    let (offsets, of_offsets) = offsets(answer, options);
+    answer.shop.offsets = offsets;
     measured_from_now_on(answer, &told.moved);
     refuse_grown(answer, &told.moved, &options.limits);
     answer.claims.extend(refusals::refusals(answer, options, &told.not_neutral));
     let notes = notes(answer, options, told);
-    answer.notes.extend(notes.into_iter().map(Note::Shop));
+    answer.notes.extend(notes.into_iter().chain(of_offsets).map(Note::Shop));
     if let Some(depth) = sheet.as_ref().map(Sheet::greatest_depth) {
         answer.claims.extend(inside_radius(answer, depth));
     }
     Ok(())
+}
+
+/// Bevels along seams between panels that cover faces, and along edges that parts share.
+fn bevelled(answer: &Answer) -> Vec<SeamBevel> {
+    let panels = &answer.patchwork;
+    let covers = answer.covers_faces() || (answer.job == Job::Unroll && panels.seam_count + panels.joint_count > 0);
+    let mut out = if covers { bevels(panels) } else { Vec::new() };
+    out.extend(answer.joints.iter().map(|joint| {
+        let own = joint.parts.iter().filter_map(|k| answer.sheets.get(*k)).map(|s| s.thickness);
+        SeamBevel {
+            name: joint.name.clone(),
+            between: joint.parts.map(|k| answer.parts.get(k).map_or_else(String::new, |p| p.name.clone())),
+            thickness: own.reduce(f64::min).filter(|t| *t > 0.0),
+            stations: joint.stations.clone(),
+        }
+    }));
+    out
 }
 
 /// What is to be told of parts.
@@ -143,6 +162,11 @@ fn measured_from_now_on(answer: &mut Answer, moved: &[usize]) {
         Claim::measured(What::LengthError, Subject::Whole, worst(|p| p.isometry_error)),
         Claim::measured(What::DrawingDistance, Subject::Whole, worst(|p| p.contour_error)),
     ];
+    for joint in &mut answer.joints {
+        for (part, length) in joint.parts.iter().zip(&mut joint.lengths) {
+            *length = if parts.contains(part) { f64::NAN } else { *length };
+        }
+    }
     answer.claims = kept;
     answer.claims.extend(more);
     if answer.claim(What::FlatArea).is_some() {

@@ -21,7 +21,7 @@ pub(crate) use fit::Outlines;
 pub use fit::{Became, Between, FaceNote, FitNote, SplineSize};
 pub(crate) use loft::{EndNote, ExactPiece, Leads, LoftNote};
 pub use net::{NetNote, Quality, Route};
-pub(crate) use shop::{LeastRadius, ShopNote, TooTight};
+pub(crate) use shop::{LeastRadius, OffsetSide, ShopNote, TooTight};
 pub use shop::{Material, Sheet};
 pub(crate) use unroll::UnrollNote;
 

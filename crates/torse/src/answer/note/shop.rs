@@ -1,7 +1,9 @@
 //! Notes of sheet and work.
 
+pub(crate) use crate::answer::shop::OffsetSide;
 pub(crate) use crate::develop::shop::material::LeastRadius;
 pub use crate::develop::shop::material::Material;
+pub(crate) use crate::develop::shop::offsets::NoOffset;
 pub use crate::develop::shop::thickness::Sheet;
 pub(crate) use crate::develop::shop::thickness::TooTight;
 
@@ -51,4 +53,30 @@ pub enum ShopNote {
         /// Names of the parts.
         parts: Vec<String>,
     },
+    /// Surfaces of the sheet are written.
+    Offsets {
+        /// Largest distance (mm) of their edges from where they belong, measured.
+        edge_error: f64,
+    },
+    /// A panel of which a surface of the sheet is not written: it is not regular.
+    NoOffset {
+        /// Name of the panel.
+        panel: String,
+        /// Which surface.
+        side: OffsetSide,
+        /// Where, and why.
+        none: NoOffset,
+    },
+    /// Parts of which no surfaces of the sheet are written: bodies that have them, and faces without a panel.
+    NoOffsets {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
+    /// Parts whose neutral surface is not at one distance from the panels.
+    NeutralVaries {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
+    /// Chains of cones have their surfaces in a file of their own.
+    OffsetsOfCones,
 }

@@ -80,6 +80,72 @@ pub(crate) fn dense<K: Copy>(
     profile.parted(lines, size)
 }
 
+/// A part of the turn of a sheet that one line stands for, which lies in the middle of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cell {
+    /// Shares of the whole turn, whichever way, between which it lies.
+    pub turn: [f64; 2],
+    /// Turn of the sheet over it, rad, positive towards the eye.
+    pub angle: f64,
+}
+
+impl Cell {
+    /// The share at which its line lies.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.turn[0] + self.turn[1])
+    }
+
+    fn halves(self) -> [Self; 2] {
+        let [a, b] = self.turn;
+        [[a, self.middle()], [self.middle(), b]].map(|turn| Self { turn, angle: 0.5 * self.angle })
+    }
+}
+
+/// Cells halved where the part could not be bent back from their lines within `within` (mm); `size` is the length of the part, mm.
+/// Faces of which a ruling is not known keep theirs.
+pub(crate) fn dense_cells(
+    mut cells: Vec<Cell>,
+    (within, size): (f64, f64),
+    exact: &dyn Fn(f64) -> Option<Ruling>,
+) -> Vec<Cell> {
+    let near = NEARER * BendSpacing::default().least * size;
+    let ends = [0.0, 1.0].map(exact);
+    let [Some(first), Some(last)] = ends else { return cells };
+    for _ in 0..ROUNDS {
+        let rulings: Option<Vec<Ruling>> = cells.iter().map(|c| exact(c.middle())).collect();
+        let Some(rulings) = rulings.filter(|r| !r.is_empty()) else { return cells };
+        let count = cells.len();
+        let stretch = |k: usize| {
+            let [a, b] = [cells.get(k)?.angle, cells.get(k + 1)?.angle];
+            Stretch::signed(rulings.get(k)?, rulings.get(k + 1)?, 0.5 * (a + b), [a.signum(), b.signum()])
+        };
+        // A single line tells of no change.
+        let tip =
+            |end: &Ruling, k: usize, behind| stretch(k).and_then(|s| s.beyond(end, behind)).unwrap_or(f64::INFINITY);
+        let mut left = vec![tip(&first, 0, false)];
+        left.extend((0..count - 1).map(|k| stretch(k).map_or(0.0, |s| s.left(0.5 * size))));
+        left.push(tip(&last, count.saturating_sub(2), true));
+        if left.iter().sum::<f64>() <= within || count >= MOST {
+            break;
+        }
+        let even = EVEN * within / left.len() as f64;
+        let middle = |r: &Ruling| (r.flat[0] + r.flat[1]) * 0.5;
+        let apart = |a: &Ruling, b: &Ruling| (middle(a) - middle(b)).norm();
+        let is_wide = |k: usize| match k {
+            0 => apart(&first, &rulings[0]) > near,
+            k if k == count => apart(&rulings[count - 1], &last) > near,
+            k => apart(&rulings[k - 1], &rulings[k]) > 2.0 * near,
+        };
+        let is_bad: Vec<bool> = (0..=count).map(|k| left[k] > even && is_wide(k)).collect();
+        if !is_bad.contains(&true) {
+            break;
+        }
+        let halved = |(k, c): (usize, &Cell)| if is_bad[k] || is_bad[k + 1] { c.halves().to_vec() } else { vec![*c] };
+        cells = cells.iter().enumerate().flat_map(halved).collect();
+    }
+    cells
+}
+
 /// What lies between two lines, or between one and an end of the part.
 struct Gap {
     /// Places on the profile.
@@ -127,13 +193,18 @@ struct Stretch {
 
 impl Stretch {
     fn new(first: &Ruling, last: &Ruling, turn: f64) -> Option<Self> {
+        Self::signed(first, last, turn, [turn.signum(); 2])
+    }
+
+    /// The same where it is known which way the sheet bends at either ruling.
+    fn signed(first: &Ruling, last: &Ruling, turn: f64, signs: [f64; 2]) -> Option<Self> {
         let middle = |r: &Ruling| (r.flat[0] + r.flat[1]) * 0.5;
         let ahead = middle(last) - middle(first);
         let turned_over = (first.flat[1] - first.flat[0]).perp(&ahead) < 0.0;
         let origin = middle(first);
-        let side = |r: &Ruling| line(r, turned_over, turn);
+        let side = |r: &Ruling, sign: f64| line(r, turned_over, sign);
         let poses = [pose(first, turned_over, &origin)?, pose(last, turned_over, &origin)?];
-        let sides = [side(first)?, side(last)?];
+        let sides = [side(first, signs[0])?, side(last, signs[1])?];
         let between = Between::new(&sides[0], &sides[1], turn, origin);
         let foot = sides[1].way.dot(&(sides[1].at - origin));
         let middle = foot + 0.5 * (sides[1].reach[0] + sides[1].reach[1]);
@@ -150,7 +221,7 @@ impl Stretch {
     /// rulings laid do not reach it.
     fn beyond(&self, end: &Ruling, behind: bool) -> Option<f64> {
         let target = pose(end, self.turned_over, &self.origin)?;
-        let side = line(end, self.turned_over, self.turn)?;
+        let side = line(end, self.turned_over, self.turn.signum())?;
         let foot = side.way.dot(&(side.at - self.origin));
         let reach = side.reach.map(|v| v + foot);
         let middle = side.at + side.way * (0.5 * (side.reach[0] + side.reach[1]));
@@ -183,11 +254,11 @@ fn off(a: &Pose, b: &Pose, middle: f64, lever: f64) -> f64 {
 }
 
 /// A ruling as a line that is drawn.
-fn line(r: &Ruling, turned_over: bool, turn: f64) -> Option<LineSide> {
+fn line(r: &Ruling, turned_over: bool, sign: f64) -> Option<LineSide> {
     let ([a, b], radii) =
         if turned_over { ([r.flat[1], r.flat[0]], [r.radii[1], r.radii[0]]) } else { (r.flat, r.radii) };
     let way = (b - a).try_normalize(0.0)?;
-    Some(LineSide { at: a, way, reach: [0.0, (b - a).norm()], radii, sign: turn.signum() })
+    Some(LineSide { at: a, way, reach: [0.0, (b - a).norm()], radii, sign })
 }
 
 /// The pose in space of a ruling, at the foot of a point.

@@ -11,7 +11,7 @@ use crate::geom::{Vec2, Vec3};
 use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::pattern::Bend;
 use crate::spline::surface::Surface;
-pub(crate) use dense::{dense, Ruling};
+pub(crate) use dense::{dense, dense_cells, Cell, Ruling};
 pub(crate) use turn_profile::{Line, TurnProfile};
 
 /// How far apart rulings are drawn.

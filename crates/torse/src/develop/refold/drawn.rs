@@ -1,6 +1,7 @@
 //! A flat part as its drawing has it: outlines as polygons, bend lines with what the table says of them.
 
 use super::RefoldError;
+use crate::develop::unfold::allowance::Fibre;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, BendSense};
 
@@ -47,6 +48,8 @@ pub struct FlatPart {
     pub extents: Vec<[Vec2; 2]>,
     /// By how much bend lines were shortened at both ends, mm.
     pub inset: f64,
+    /// Where the neutral fibre of a body of sheet lies, which is drawn; `None` for surfaces and where nothing is said.
+    pub fibre: Option<Fibre>,
     /// Thickness (mm) of a body of sheet, of which the neutral fibre is drawn; 0 for surfaces and where nothing is said.
     pub thickness: f64,
     /// The last digit of lengths in the bend table, mm.

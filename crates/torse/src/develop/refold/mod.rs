@@ -15,6 +15,7 @@ pub(crate) mod one_family;
 mod ribbon;
 mod rolled;
 pub(crate) mod sheet;
+mod skin;
 mod zone;
 
 /// Why a part cannot be bent back. Messages say what of the part is concerned; the caller names the part.
@@ -28,11 +29,10 @@ pub enum RefoldError {
         /// Number of the first line, from 1.
         line: usize,
     },
-    /// A rolled face of a sheet whose neutral fibre, and not whose skin, is drawn.
+    /// A rolled face of a sheet whose neutral fibre is drawn, it is not known where.
     #[error(
-        "its bend lines from {line} on are those of a cone or another rolled face without one radius, in a sheet with thickness: \
-         the neutral fibre that is drawn there is not bent back to the skin; unroll the face without thickness (--surfaces) to \
-         check it"
+        "its bend lines from {line} on are those of a cone or another rolled face without one radius, in a sheet with thickness, and \
+         report.json does not say where the neutral fibre lies that is drawn there; lay it flat anew"
     )]
     Neutral {
         /// Number of the first line, from 1.

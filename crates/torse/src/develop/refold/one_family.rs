@@ -9,6 +9,7 @@ use super::drawn::FlatPart;
 use super::family::Family;
 use super::leaf::{Leaf, Refolded};
 use super::lines::{check, order, whole_lines, Whole};
+use super::skin::skin;
 use super::RefoldError;
 use crate::geom::Vec2;
 use crate::torse::ribbon::pose::{Pose, Rates};
@@ -40,6 +41,10 @@ pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
     }
     let method = if lines.iter().all(|l| l.fold) { "folds" } else { "turns and radii of the bend lines" };
     let (ribbon, disagreement) = rulings(part, lines)?;
+    let ribbon = match &part.fibre {
+        Some(fibre) => skin(ribbon, fibre),
+        None => ribbon,
+    };
     let leaf = Leaf { ribbon, loops: part.loops.clone() };
     Ok(Refolded { leaves: vec![leaf], disagreement, method })
 }

@@ -9,6 +9,7 @@ use super::cut::{cut, Region};
 use super::drawn::{foot, inside, sides, FlatPart, SheetRow};
 use super::lines::whole_lines;
 use super::one_family::rulings;
+use super::skin::on_skin;
 use super::zone::{lines_of, middles, Line, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;
 use crate::geom::segment::same_segment;
@@ -97,7 +98,11 @@ pub(super) fn rolled(part: &FlatPart, row: &SheetRow) -> Result<Option<Rolled>, 
         (pose.at.xy(), pose.ruling().xy())
     };
     let edges = [0, 1].map(|k: usize| edges[k].unwrap_or_else(|| whole(k)));
-    let strips = strips.into_iter().map(|s| s.1).collect();
+    let on_skin = |(t, strip): (f64, Strip)| match &part.fibre {
+        Some(fibre) => Strip { in_space: on_skin(fibre, strip.in_space, ribbon.span(t).0.reach), ..strip },
+        None => strip,
+    };
+    let strips = strips.into_iter().map(on_skin).collect();
     let zone = Zone { edges, strips, inner, turn: 0.0, beyond: 0.0 };
     Ok(Some(Rolled { zone, chords, disagreement }))
 }

@@ -27,19 +27,21 @@ impl BevelStation {
     }
 }
 
-/// The bevels along a seam.
+/// The bevels along a seam or joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeamBevel {
-    /// Number of the seam.
-    pub seam: u32,
-    /// Indices of the panels on both sides.
-    pub panels: [usize; 2],
+    /// Name of the seam or joint, as its marks have it.
+    pub name: String,
+    /// Names of the panels or parts on both sides.
+    pub between: [String; 2],
+    /// Thickness of their sheet, mm, if they have one of their own.
+    pub thickness: Option<f64>,
     /// Stations along it.
     pub stations: Vec<BevelStation>,
 }
 
 /// Parts of a seam between stations.
-const PARTS: usize = 12;
+pub(crate) const PARTS: usize = 12;
 
 /// Bevels of all seams between panels of faces; sampled.
 pub fn bevels(patchwork: &Patchwork) -> Vec<SeamBevel> {
@@ -53,8 +55,9 @@ pub fn bevels(patchwork: &Patchwork) -> Vec<SeamBevel> {
             BevelStation { position: length * share, kink: kink(s, signs, share) }
         };
         SeamBevel {
-            seam: s.seam,
-            panels: [s.sides[0].panel, s.sides[1].panel],
+            name: format!("S{}", s.seam),
+            between: s.sides.map(|side| side.of.strip.name.clone()),
+            thickness: None,
             stations: (0..=PARTS).map(station).collect(),
         }
     };

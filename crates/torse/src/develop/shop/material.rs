@@ -33,8 +33,10 @@ pub struct Material {
     pub least_radius: Option<LeastRadius>,
     /// Depth of the neutral fibre; `None` where nothing is said.
     pub k: Option<KFactor>,
-    /// Where the numbers come from, in words.
+    /// What is meant by it, in words.
     pub note: String,
+    /// Where the numbers come from; empty where that is not said.
+    pub source: String,
 }
 
 /// Cubic millimetres of a cubic metre.
@@ -67,6 +69,7 @@ mod tests {
             least_radius: Some(LeastRadius::Thicknesses(1.5)),
             k: None,
             note: String::new(),
+            source: String::new(),
         };
         assert!((steel.weight(1e6, 2.0) - 15.7).abs() < 1e-12);
         assert!(steel.is_called("mild steel") && steel.is_called("MILD_STEEL") && !steel.is_called("steel"));

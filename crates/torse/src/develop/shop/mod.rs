@@ -6,6 +6,7 @@ pub mod facets;
 pub mod laid;
 pub(crate) mod material;
 pub(crate) mod neutral;
+pub mod offsets;
 pub(crate) mod order;
 pub mod roll;
 pub(crate) mod sections;

@@ -209,6 +209,7 @@ mod tests {
             least_radius: Some(LeastRadius::Thicknesses(2.0)),
             k: None,
             note: String::new(),
+            source: String::new(),
         };
         assert!(too_tight(8.1, 4.0, Some(&steel)).is_none() && too_tight(0.1, 4.0, None).is_none());
         assert!(

@@ -5,7 +5,7 @@ use super::region::{Region, POINT};
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::brep::recognised_surface::RecognisedSurface;
-use crate::develop::bends::{kept_low, BendSpacing, Facets, Lines};
+use crate::develop::bends::{dense_cells, kept_low, BendSpacing, Cell, Facets, Lines};
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, BendSense};
@@ -76,8 +76,6 @@ const HEM: f64 = 170.0 * std::f64::consts::PI / 180.0;
 const CURL: f64 = 3.0;
 /// Inside radii above so many thicknesses are rolled or pressed in many steps: no common tool of a press brake is so wide.
 const ROLLED: f64 = 12.0;
-/// A rolled face gets a line at every such turn, rad.
-const STEP: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Whole numbers of lines may be exceeded by this share of one before another is drawn.
 const HAIR: f64 = 0.01;
 /// Lines of a rolled face at most.
@@ -91,16 +89,17 @@ const ONE_LENGTH: f64 = 1e-4;
 
 /// The bends of a piece, in the order of its faces.
 ///
-/// Rolled faces are kinked as `facets` says, or have a line at every 5°. Folds along curves are drawn as chords within a share of the
-/// `tolerance` (mm).
-pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>, tolerance: f64) -> Vec<SheetBend> {
+/// Rolled faces are kinked as `spacing` says, or have a line at every step of turn, and more where the part could not be bent back
+/// from these. Folds along curves are drawn as chords within a share of the `tolerance` (mm).
+pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, tolerance: f64) -> Vec<SheetBend> {
     let mut out: Vec<SheetBend> = Vec::new();
+    let spacing = shared(piece, spacing);
     let near = (CHORD * tolerance).max(CURVED * ONE_LINE * body.size);
     for placed in &piece.faces {
         if matches!(body.recognised[placed.face], RecognisedSurface::Plane(_)) {
             continue;
         }
-        for bend in of_face(body, piece, placed, (thickness, facets), near) {
+        for bend in of_face(body, piece, placed, (thickness, &spacing), near) {
             match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
                 Some(b) => {
                     b.lines.extend(bend.lines);
@@ -152,6 +151,12 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>,
         out[b].order = k + 1;
     }
     out
+}
+
+/// The spacing for each of the faces that are bent without closed form, which share what the part may be off.
+fn shared(piece: &Piece, spacing: &BendSpacing) -> BendSpacing {
+    let count = piece.faces.iter().filter(|p| p.chart.closed().is_none()).count();
+    BendSpacing { within: spacing.within / count.max(1) as f64, ..*spacing }
 }
 
 /// Share of the tolerance within which chords keep to a curved fold.
@@ -218,7 +223,7 @@ fn of_face(
     body: &Body,
     piece: &Piece,
     placed: &Placed,
-    (thickness, facets): (f64, Option<Facets>),
+    (thickness, spacing): (f64, &BendSpacing),
     near: f64,
 ) -> Vec<SheetBend> {
     let turn = placed.chart.turn();
@@ -245,11 +250,16 @@ fn of_face(
     };
     let goes_on = !extents.is_empty();
     let mut before = 0.0;
+    let stretches = placed.chart.stretches();
+    let cells =
+        if kind == BendKind::Rolled { cells(piece, placed, &region, (&stretches, spacing)) } else { Vec::new() };
     let one = |stretch: Stretch| {
         if goes_on && stretch.turn[0] > 0.0 {
             extents.extend(inflection(&stretch));
         }
-        let drawn = Drawn::of(placed, &region, (&stretch, kind, before), (cylinder, facets));
+        let within = |c: &&Cell| (stretch.turn[0]..stretch.turn[1]).contains(&c.middle());
+        let own: Vec<Cell> = cells.iter().filter(within).copied().collect();
+        let drawn = Drawn::of(placed, &region, (&stretch, kind, before), (cylinder, spacing, &own));
         let angle = turn * (stretch.turn[1] - stretch.turn[0]);
         before += if stretch.hollow { angle } else { -angle };
         SheetBend {
@@ -270,7 +280,33 @@ fn of_face(
             level: placed.level,
         }
     };
-    placed.chart.stretches().into_iter().map(one).collect()
+    stretches.into_iter().map(one).collect()
+}
+
+/// What the lines of a rolled face stand for, stretch by stretch: equal parts of its turn, halved where the part could not be bent
+/// back from them; none where it is kinked.
+fn cells(
+    piece: &Piece,
+    placed: &Placed,
+    region: &Region,
+    (stretches, spacing): (&[Stretch], &BendSpacing),
+) -> Vec<Cell> {
+    if spacing.facets.is_some() || !spacing.within.is_finite() {
+        return Vec::new();
+    }
+    let mut all = Vec::new();
+    for s in stretches {
+        let count = rolled_lines(placed, region, s, spacing);
+        let share = (s.turn[1] - s.turn[0]) / count as f64;
+        let angle = placed.chart.turn() * share * if s.hollow { 1.0 } else { -1.0 };
+        let at = |k: usize| s.turn[0] + share * k as f64;
+        all.extend((0..count).map(|k| Cell { turn: [at(k), at(k + 1)], angle }));
+    }
+    let boxes = piece.faces.iter().map(|p| (p.region.min, p.region.max));
+    let whole = boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+    let size = whole.map_or(0.0, |(lo, hi)| (hi - lo).norm());
+    let exact = |share: f64| placed.chart.exact(share, |r, ends| radii_at(placed, r, ends));
+    dense_cells(all, (spacing.within, size), &exact)
 }
 
 /// The lines of a stretch of a face, and what they tell of its bend.
@@ -287,17 +323,24 @@ impl Drawn {
         placed: &Placed,
         region: &Region,
         (stretch, kind, before): (&Stretch, BendKind, f64),
-        (cylinder, facets): (bool, Option<Facets>),
+        (cylinder, spacing, cells): (bool, &BendSpacing, &[Cell]),
     ) -> Self {
-        let count = |facets| if kind == BendKind::Rolled { rolled_lines(placed, region, stretch, facets) } else { 1 };
-        let rulings = |count| placed.chart.rulings_between(stretch.turn, count);
+        let count = |asked: &BendSpacing| match kind {
+            BendKind::Rolled => rolled_lines(placed, region, stretch, asked),
+            _ => 1,
+        };
+        let even = |count| placed.chart.rulings_between(stretch.turn, count);
+        let of_cells = || cells.iter().flat_map(|c| placed.chart.rulings_between(c.turn, 1)).collect::<Vec<_>>();
         let radius = cylinder.then_some(placed.radius);
-        let draw = |asked: &BendSpacing| lines_of(placed, region, (rulings(count(asked.facets)), before), radius);
-        let (lines, bends) = kept_low(&BendSpacing { facets, ..BendSpacing::default() }, draw);
-        // All stand for equal parts of the turn.
+        let draw = |asked: &BendSpacing| {
+            let rulings = if cells.is_empty() { even(count(asked)) } else { of_cells() };
+            lines_of(placed, region, (rulings, before), radius)
+        };
+        let (lines, bends) = kept_low(spacing, draw);
+        // Kinks stand for equal parts of the turn.
         let turn = placed.chart.turn() * (stretch.turn[1] - stretch.turn[0]);
-        let number = bends.first().map_or(count(facets), |b| (turn / b.angle).round() as usize);
-        let all = rulings(number);
+        let number = bends.first().map_or(count(spacing), |b| (turn / b.angle).round() as usize);
+        let all = if cells.is_empty() { even(number) } else { of_cells() };
         let inside = |(r, l): (&FlatRuling, [Vec2; 2])| {
             l.map(|p| placed.fibre.inside(surface_radius(r, &p), r.hollow).max(0.0))
                 .into_iter()
@@ -305,11 +348,12 @@ impl Drawn {
         };
         let stretches = all.iter().flat_map(|r| region.own_lines(r).into_iter().map(move |l| (r, l)));
         let least = stretches.map(inside).fold(f64::INFINITY, f64::min);
-        // Of a face bent about one axis there is one K; else the mean of all lines stands for it.
-        let mean = all.iter().map(|r| placed.fibre.share_at(r.depth, r.hollow)).sum::<f64>() / all.len() as f64;
+        // Of a face bent about one axis there is one K; else the mean of all lines by their turns stands for it.
+        let turns: f64 = all.iter().map(|r| r.angle).sum();
+        let mean = all.iter().map(|r| r.angle * placed.fibre.share_at(r.depth, r.hollow)).sum::<f64>() / turns;
         let k = if radius.is_some() || mean.is_nan() { placed.k } else { mean };
         let least_inside_radius = if cylinder { placed.inside_radius } else { least };
-        Self { lines, bends, rulings: number, least_inside_radius, k }
+        Self { lines, bends, rulings: all.len(), least_inside_radius, k }
     }
 }
 
@@ -320,15 +364,23 @@ fn surface_radius(ruling: &FlatRuling, p: &Vec2) -> f64 {
 }
 
 /// Number of lines of a stretch of a rolled face, by its middle ruling.
-fn rolled_lines(placed: &Placed, region: &Region, stretch: &Stretch, facets: Option<Facets>) -> usize {
+fn rolled_lines(placed: &Placed, region: &Region, stretch: &Stretch, spacing: &BendSpacing) -> usize {
     let whole = placed.chart.turn();
     let turn = whole * (stretch.turn[1] - stretch.turn[0]);
     // Breadth across the rulings: area over the length of the middle ruling.
     let middle = placed.chart.rulings(1);
     let middle = middle.iter().flat_map(|r| region.own_lines(r));
     let breadth = stretch.way * region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
-    let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, whole));
+    let asked = spacing.facets.map_or(turn / spacing.step, |f: Facets| f.needed(turn, breadth, whole));
     ((asked - HAIR).ceil() as usize).clamp(1, MOST_LINES)
+}
+
+/// Radii (mm) of a face without closed form at both ends of a line, as its bend lines tell them.
+fn radii_at(placed: &Placed, ruling: &FlatRuling, ends: [Vec2; 2]) -> [f64; 2] {
+    match placed.is_given {
+        true => ends.map(|p| surface_radius(ruling, &p)),
+        false => ends.map(|p| ruling.radius_at(&p)),
+    }
 }
 
 /// The stretches of rulings inside a region, with their bends, after a turn (rad); of cylinders the radius (mm) is known.
@@ -343,8 +395,7 @@ fn lines_of(placed: &Placed, region: &Region, (rulings, before): (Vec<FlatRuling
             let radii = match radius {
                 Some(_) if !placed.is_given => [placed.inside_radius; 2],
                 Some(radius) => [radius; 2],
-                None if placed.is_given => l.map(|p| surface_radius(r, &p)),
-                None => l.map(|p| r.radius_at(&p)),
+                None => radii_at(placed, r, l),
             };
             bends.push(Bend { turned, ..Bend::of(sense(r.hollow), r.angle, radii) });
             lines.push(l.map(|p| placed.motion.apply(&p)));

@@ -3,6 +3,7 @@
 pub mod allowance;
 pub mod bends;
 pub mod chart;
+pub mod joints;
 pub(crate) mod outline;
 pub mod part;
 pub mod region;

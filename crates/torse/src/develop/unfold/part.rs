@@ -2,6 +2,7 @@
 
 use super::bends::{bends, SheetBend};
 use super::chart::Chart;
+use super::joints::{shared_edges, SharedEdge};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
 use super::region::{Motion, POINT};
 use super::sheet::{open, sheet, Sheet, ALIKE};
@@ -11,7 +12,7 @@ use crate::brep::body::{oriented, Body};
 use crate::brep::face::Face;
 use crate::brep::recognised_surface::RecognisedSurface;
 use crate::develop::arcs::rectangle_around;
-use crate::develop::bends::Facets;
+use crate::develop::bends::BendSpacing;
 use crate::develop::shop::thickness::Sheet as GivenSheet;
 use crate::geom::segment::same_segment;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
@@ -32,6 +33,8 @@ pub struct SheetPart {
     pub given: Option<GivenSheet>,
     /// Its bends.
     pub bends: Vec<SheetBend>,
+    /// Of every face of the part whether its outside is the other side than its file says.
+    pub turned: Vec<bool>,
 }
 
 /// The map of a face, and where its image lies in the part.
@@ -68,6 +71,8 @@ pub struct FlatPart {
     pub slanting: Vec<u64>,
     /// Of a part that is one face its map.
     pub chart: Option<PlacedChart>,
+    /// Edges that it shares with itself or a later part of its body; parts are counted within the body.
+    pub shared: Vec<SharedEdge>,
 }
 
 /// The parts of one body.
@@ -90,8 +95,8 @@ pub struct PartOptions {
     pub surfaces: bool,
     /// The sheet that surfaces without thickness are made of, whose neutral fibre is laid flat; default none.
     pub sheet: Option<GivenSheet>,
-    /// How rolled faces are kinked; default none: lines every 5°.
-    pub facets: Option<Facets>,
+    /// How far apart lines of rolled faces are drawn, or how these are kinked; default lines every 5°.
+    pub spacing: BendSpacing,
     /// Over which edges faces are laid beside each other; default all.
     pub joins: Joins,
 }
@@ -99,7 +104,14 @@ pub struct PartOptions {
 impl PartOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, k: KFactor::default(), surfaces: false, sheet: None, facets: None, joins: Joins::All }
+        Self {
+            tolerance,
+            k: KFactor::default(),
+            surfaces: false,
+            sheet: None,
+            spacing: BendSpacing::default(),
+            joins: Joins::All,
+        }
     }
 }
 
@@ -148,12 +160,17 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     }
     let count = drawn.len();
     let slanting = found.slanting(&body);
+    let shared = shared_edges(&body, &drawn.iter().map(|d| d.0).collect::<Vec<_>>(), options.tolerance);
     for (k, (piece, outlines)) in drawn.into_iter().enumerate() {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
         let mut made = part(&body, piece, outlines, (&found, &name), options);
         let touches = |f: &usize| body.of_face(*f).any(|h| body.beyond(h).is_some_and(|g| made.faces.contains(&g)));
+        made.sheet.turned = made.faces.iter().map(|f| body.faces[*f].reversed != faces[*f].reversed).collect();
         made.slanting = slanting.iter().filter(|f| touches(f)).map(|f| body.faces[*f].entity).collect();
         out.parts.push(made);
+    }
+    for edge in shared {
+        out.parts[edge.parts[0].min(edge.parts[1])].shared.push(edge);
     }
     out
 }
@@ -235,7 +252,7 @@ fn part(
     let others: HashSet<usize> = found.others.iter().copied().collect();
     let formed =
         |o: &Outline| o.area < 0.0 && o.halves.iter().all(|h| body.beyond(*h).is_some_and(|g| others.contains(&g)));
-    let bends = bends(body, piece, found.thickness, options.facets, tolerance);
+    let bends = bends(body, piece, found.thickness, &options.spacing.of_job(tolerance), tolerance);
     let (marks, contours): (Vec<Outline>, Vec<Outline>) = outlines.into_iter().partition(formed);
     let mut pattern = Pattern {
         name: name.to_owned(),
@@ -280,6 +297,7 @@ fn part(
             k: options.k.clone(),
             given: options.sheet.clone().filter(|_| piece.faces.iter().all(|p| p.is_given)),
             bends,
+            turned: Vec::new(),
         },
         faces: piece.faces.iter().map(|p| p.face).collect(),
         cuts: piece.cuts.iter().map(number).collect(),
@@ -293,5 +311,6 @@ fn part(
             [only] => Some(PlacedChart { chart: only.chart.clone(), motion: only.motion }),
             _ => None,
         },
+        shared: Vec::new(),
     }
 }

@@ -326,8 +326,10 @@ pub(super) fn joints(report: &Report) -> String {
         let [a, b] = j.between.each_ref().map(|name| escape(name));
         let between = if a == b { format!("{a}, with itself") } else { format!("{a} \u{2013} {b}") };
         let gap = j.gap_estimate.map_or_else(|| "unknown".into(), rounded);
+        let lengths = j.lengths_estimate.map_or_else(String::new, |[a, b]| format!("{a:.3} \u{2013} {b:.3}"));
         format!(
-            "<tr><td>{}</td><td>{between}</td><td class=\"number\">{}</td><td class=\"number\">{gap}</td></tr>",
+            "<tr><td>{}</td><td>{between}</td><td class=\"number\">{}</td><td class=\"number\">{gap}</td>\
+             <td class=\"number\">{lengths}</td></tr>",
             escape(&j.name),
             j.marks
         )
@@ -336,7 +338,8 @@ pub(super) fn joints(report: &Report) -> String {
     format!(
         "<details open><summary>Joints</summary><p class=\"quiet\">Borders that meet carry marks with the same labels on both \
          sides: J1.1, J1.2, \u{2026} along joint J1.</p><div class=\"scroll\"><table><thead><tr><th>Joint</th><th>Between</th>\
-         <th class=\"number\">Marks on each side</th><th class=\"number\">Gap at marks, mm, measured</th></tr></thead><tbody>{rows}</tbody></table></div></details>"
+         <th class=\"number\">Marks on each side</th><th class=\"number\">Gap at marks, mm, measured</th>\
+         <th class=\"number\">Lengths of both sides in the plane, mm, measured</th></tr></thead><tbody>{rows}</tbody></table></div></details>"
     )
 }
 
@@ -475,7 +478,8 @@ mod tests {
     fn joints_name_the_parts_that_they_join() {
         let mut report = sample();
         assert!(joints(&report).contains(
-            "<td>J1</td><td>A-01 \u{2013} A-02</td><td class=\"number\">3</td><td class=\"number\">0.25</td>"
+            "<td>J1</td><td>A-01 \u{2013} A-02</td><td class=\"number\">3</td><td class=\"number\">0.25</td>\
+             <td class=\"number\">80.000 \u{2013} 80.500</td>"
         ));
         report.joints[0].between[1] = "A-01".into();
         assert!(joints(&report).contains("A-01, with itself"));

@@ -79,8 +79,13 @@ impl Report {
 /// The joints that marks on patterns tell of.
 fn joint_records(answer: &Answer) -> Vec<JointRecord> {
     let name = |k: usize| answer.patterns.get(k).map_or_else(String::new, |p| p.name.clone());
+    let lengths = |name: &str| {
+        let of_parts = answer.joints.iter().find(|j| j.name == name)?.lengths;
+        of_parts.iter().all(|l| l.is_finite()).then_some(of_parts)
+    };
     let all = joints(&answer.patterns).into_iter();
     all.map(|j| JointRecord {
+        lengths_estimate: lengths(&j.name),
         name: j.name,
         between: j.between.map(name),
         marks: j.marks,

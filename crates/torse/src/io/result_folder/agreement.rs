@@ -25,8 +25,8 @@ impl Said {
 /// Lines of a sheet's bends against `bend_table.csv` and against their own turns.
 ///
 /// The lines of a bend, fold or hem turn as far as the table says. At lines with a radius the sheet has turned by half of the
-/// angle. The lines of a rolled face share its turn evenly, and it has turned by whole shares and a half of one at each of them, after
-/// what the row before turned where the face goes on from there.
+/// angle. The lines of a rolled face share its turn evenly, or some shares are halved, again and again: at each line it has turned by a
+/// whole number and a half of the line's own share, after what the row before turned where the face goes on from there.
 ///
 /// # Errors
 /// In words: the line, both numbers, and what would help.
@@ -74,15 +74,13 @@ fn bent(own: &[(usize, Said)], bend: &TableBend, row: &str) -> Result<(), String
 
 /// Lines of a rolled face, after a turn (degrees) by the row before if it goes on from there.
 fn rolled(own: &[(usize, Said)], bend: &TableBend, (row, before): (&str, f64)) -> Result<(), String> {
-    let Some((first, share)) = own.first().map(|(n, s)| (*n, s.angle)) else { return Ok(()) };
+    let Some(first) = own.first().map(|(n, _)| *n) else { return Ok(()) };
     let whole = bend.angle.to_degrees();
     if own.iter().all(|(_, s)| s.sense != bend.sense) {
         return Err(ways(first, own[0].1.sense, row, bend.sense));
     }
     for (number, said) in own {
-        if differ(said.angle, share, PRINTED_ANGLE) {
-            return Err(angles(*number, said.angle, &format!("line {first}, of the same rolled face, has {share:.4}")));
-        }
+        let share = said.angle;
         // Every share that it has turned by adds what its last digit leaves open, and the row before another two.
         let is_half = |from: f64, more: f64| {
             let shares = (said.turned - from).abs() / share.max(PRINTED_ANGLE) - 0.5;
@@ -92,11 +90,11 @@ fn rolled(own: &[(usize, Said)], bend: &TableBend, (row, before): (&str, f64)) -
         if !is_half(0.0, 0.0) && !is_half(before, 2.0) {
             return Err(angles(*number, said.angle, &halves(said.turned)));
         }
-    }
-    // A face that is as good as plane has a line without an angle.
-    let count = if share > PRINTED_ANGLE { (whole / share).round() } else { own.len() as f64 };
-    if differ(whole, count * share, (count + 1.0) * PRINTED_ANGLE) {
-        return Err(angles(first, share, &format!("{row} says {whole:.4}, no whole number of such lines")));
+        // A face that is as good as plane has a line without an angle.
+        let count = if share > PRINTED_ANGLE { (whole / share).round() } else { own.len() as f64 };
+        if differ(whole, count * share, (count + 1.0) * PRINTED_ANGLE) {
+            return Err(angles(*number, share, &format!("{row} says {whole:.4}, no whole number of such lines")));
+        }
     }
     Ok(())
 }
@@ -204,6 +202,17 @@ mod tests {
         assert!(sheet(&all, &table(Down, 187.9385)).expect_err("all").contains("line 1 of bends.csv"));
         all.iter_mut().for_each(|l| l.bend.angle = 0.0);
         assert!(sheet(&all, &table(Down, 187.9385)).is_err());
+        // The third share is halved, and the second half of that again.
+        let parts = [(0.0, 8.0), (8.0, 8.0), (16.0, 4.0), (20.0, 2.0), (22.0, 2.0), (24.0, 8.0)];
+        let halved: Vec<TableLine> = parts.iter().map(|(from, share)| line(Up, *share, from + 0.5 * share)).collect();
+        let row = [bend("rolled", Up, 32.0, halved.len())];
+        assert_eq!(sheet(&halved, &row), Ok(()));
+        for (k, factor) in [(2, 2.0), (2, 0.5), (3, 2.0), (0, 0.5)] {
+            let mut other = halved.clone();
+            other[k].bend.angle *= factor;
+            let fault = sheet(&other, &row).expect_err("another angle");
+            assert!(fault.contains(&format!("line {} of bends.csv", k + 1)), "{fault}");
+        }
         assert_eq!(sheet(&[line(Down, 0.0, 0.0)], &[bend("rolled", Down, 0.0, 1)]), Ok(()));
     }
 

@@ -6,6 +6,7 @@ use crate::brep::area::area_estimate;
 use crate::brep::boundary_stretch::boundary_stretches;
 use crate::brep::face::Face;
 use crate::control::Control;
+use crate::develop::bends::BendSpacing;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
 use crate::develop::unfold::tree::Joins;
@@ -56,7 +57,7 @@ pub(super) fn flat_parts_of(
         k: options.k.clone(),
         surfaces: options.surfaces,
         sheet: options.sheet.clone(),
-        facets: options.facets,
+        spacing: BendSpacing { step: options.bend_step, facets: options.facets, ..BendSpacing::default() },
         joins: options.joins.clone(),
     };
     let names = names(faces, &bodies);
@@ -77,8 +78,10 @@ pub(super) fn flat_parts_of(
     let made: Vec<BodyParts> = bodies.par_iter().zip(&names).map(one).collect();
     let (mut parts, mut left) = (Vec::new(), Vec::new());
     for ((found, body), name) in made.into_iter().zip(&bodies).zip(&names) {
+        let before = parts.len();
         parts.extend(found.parts.into_iter().map(|mut p| {
             p.faces.iter_mut().for_each(|f| *f = body[*f]);
+            p.shared.iter_mut().flat_map(|e| &mut e.parts).for_each(|k| *k += before);
             p
         }));
         let uncovered = |l: &(Option<usize>, Unlaid)| options.approximate.is_none() || l.0.is_none();

@@ -9,7 +9,7 @@ use crate::certify::claim::{Claim, Subject, What};
 use crate::control::Control;
 use crate::develop::unfold::part::SheetPart;
 use crate::patchwork::part::Part;
-use crate::patchwork::pattern::Pattern;
+use crate::patchwork::pattern::{Mark, Pattern};
 use crate::pipeline::approximate::{of_faces, Options};
 use crate::reason::{FaceReason, Reason};
 
@@ -51,10 +51,24 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
     );
     answer.parts.extend(made.parts.into_iter().map(|p| Part { first: p.first + panels, ..p }));
     // Panels of covers are parts one by one.
-    answer.patterns.extend(made.patterns.into_iter().map(|p| Pattern { panel: p.panel + parts, ..p }));
+    let joints = answer.joints.len();
+    answer.patterns.extend(made.patterns.into_iter().map(|p| Pattern {
+        panel: p.panel + parts,
+        marks: p.marks.into_iter().map(|m| Mark { label: renamed(&m.label, joints), ..m }).collect(),
+        ..p
+    }));
     answer.sheets.resize(answer.patterns.len(), SheetPart::default());
     answer.skipped.extend(made.skipped);
     answer.notes.extend(made.notes);
     answer.patchwork.append(made.patchwork);
     Ok(())
+}
+
+/// The label of a mark on a joint whose number goes on after so many others; seams have numbers of their own.
+fn renamed(label: &str, before: usize) -> String {
+    let number = || -> Option<(usize, &str)> {
+        let (number, rest) = label.strip_prefix('J')?.split_once('.')?;
+        Some((number.parse().ok()?, rest))
+    };
+    number().map_or_else(|| label.to_owned(), |(number, rest)| format!("J{}.{rest}", number + before))
 }

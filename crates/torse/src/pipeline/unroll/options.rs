@@ -1,6 +1,6 @@
 //! What the job of `torse unroll` is asked, and why there may be no answer.
 
-use crate::develop::bends::Facets;
+use crate::develop::bends::{BendSpacing, Facets};
 use crate::develop::shop::thickness::Sheet;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::tree::Joins;
@@ -23,8 +23,11 @@ pub struct UnrollOptions {
     pub sheet: Option<Sheet>,
     /// Name of the input, for the files; default "model".
     pub input: String,
-    /// How rolled faces are kinked; default none: lines every 5°.
+    /// How rolled faces are kinked; default none.
     pub facets: Option<Facets>,
+    /// Turn of the sheet from one line of a rolled face to the next where it is not kinked, rad; default 5°. More are drawn where
+    /// the part could not be bent back from these.
+    pub bend_step: f64,
     /// Distance (mm) within which surfaces that are not developable are covered by panels; default none: they are left out.
     pub approximate: Option<f64>,
     /// Over which edges faces are laid beside each other; default all.
@@ -41,6 +44,7 @@ impl UnrollOptions {
             sheet: None,
             input: "model".into(),
             facets: None,
+            bend_step: BendSpacing::default().step,
             approximate: None,
             joins: Joins::All,
         }

@@ -2,13 +2,15 @@
 
 mod bad;
 mod given;
+mod joined;
 mod kinds;
+mod offsets;
 mod skins;
 
 use crate::answer::note::{Note, UnrollNote};
 use crate::brep::face::Face;
 use crate::certify::claim::Status;
-use crate::develop::bends::{sagitta, Facets};
+use crate::develop::bends::{sagitta, BendSpacing, Facets};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
@@ -241,7 +243,8 @@ fn a_rolled_cone_has_its_least_inside_radius_at_its_narrow_end() {
 #[test]
 fn facets_of_a_cone_keep_their_height_at_its_wide_end() {
     let height = 0.2;
-    let options = PartOptions { facets: Some(Facets::Chord(height)), ..PartOptions::new(TOLERANCE) };
+    let spacing = BendSpacing { facets: Some(Facets::Chord(height)), ..BendSpacing::default() };
+    let options = PartOptions { spacing, ..PartOptions::new(TOLERANCE) };
     let part = flat_parts(&[&round_surface(20.0, 0.8, (0.0, 100.0))], "cone", &options).parts.remove(0);
     let worst = part.pattern.bends.iter().map(sagitta).fold(0.0, f64::max);
     assert!(worst <= height && worst > 0.8 * height, "{worst}");

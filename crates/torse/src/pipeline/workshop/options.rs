@@ -24,6 +24,8 @@ pub struct WorkshopOptions {
     pub kinked: bool,
     /// Planes whose sections are marked; default none.
     pub stations: Vec<Stations>,
+    /// Whether the sides of the sheet and its neutral surface are written; default no.
+    pub offsets: bool,
     /// Limits of the sheet that patterns of the neutral fibre are to keep, too; default none.
     pub limits: Limits,
 }

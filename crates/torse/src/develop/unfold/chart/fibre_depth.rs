@@ -1,7 +1,10 @@
 //! Where the neutral fibre lies along a face without closed form: its depth by the bend of every ruling, inflections, and the
 //! stretches that are bent one way.
 
-use super::ruled::{Line, Ruled, HAIR, STEPS};
+use super::ruled::{FlatRuling, Line, Ruled, HAIR, STEPS};
+use super::{Chart, Kind};
+use crate::develop::bends::Ruling;
+use crate::geom::Vec2;
 use crate::num::quadrature::GAUSS_4;
 
 /// A stretch of a face that is bent one way.
@@ -21,6 +24,33 @@ const STRAIGHT: f64 = 1e-9;
 const HALVINGS: usize = 60;
 /// Parts of a strip over which depths are averaged.
 const PARTS: usize = 4;
+
+impl Chart {
+    /// The ruling at a share of the turn, in the plane and in space, with its radii as `radii` finds them at the ends of its image;
+    /// `None` for faces in closed form, whose lines tell all of them, and for faces with edges.
+    pub(in crate::develop::unfold) fn exact(
+        &self,
+        share: f64,
+        radii: impl Fn(&FlatRuling, [Vec2; 2]) -> [f64; 2],
+    ) -> Option<Ruling> {
+        let Kind::Ruled(r) = &self.kind else { return None };
+        if !r.jumps.is_empty() {
+            return None;
+        }
+        let flat = r.ruling(share, 0.0)?;
+        let (_, s, _) = r.turned(share)?;
+        let (l, ends) = (r.line(s)?, r.ruling_ends(s)?);
+        let e = l.n.cross(&l.w);
+        let images = ends.map(|x| r.flat_on(s, &x));
+        Some(Ruling {
+            flat: images,
+            space: ends.map(|x| x - l.n * flat.depth),
+            across: e * l.dp.dot(&e).signum(),
+            normal: l.n,
+            radii: radii(&flat, images),
+        })
+    }
+}
 
 impl Line {
     /// Curvature across the ruling, 1/mm: negative where the face is hollow, seen from outside.

@@ -106,6 +106,8 @@ pub(super) const HAIR: f64 = 1e-12;
 pub(super) const EDGE: f64 = 1e-6;
 /// Steps of the integration on each span between knots.
 pub(super) const STEPS: usize = 96;
+/// Newton's steps to the ruling up to which a face has turned by so much: they begin within the square of a step.
+const NEWTON: usize = 3;
 
 /// A ruling with its derivatives in s.
 pub(super) struct Line {
@@ -219,20 +221,37 @@ impl Ruled {
 
     /// The ruling at a share of the turn of the normal.
     pub(super) fn ruling(&self, share: f64, angle: f64) -> Option<FlatRuling> {
-        let wanted = share * self.nodes[self.nodes.len() - 1].1.bent;
-        let k = self.nodes.partition_point(|n| n.1.bent < wanted).clamp(1, self.nodes.len() - 1);
+        let (k, s, state) = self.turned(share)?;
         if let Ok(edge) = self.jumps.binary_search_by_key(&k, |j| j.node) {
             return self.edge(edge, angle);
         }
-        let ((a, p), (b, q)) = (self.nodes[k - 1], self.nodes[k]);
-        let part = if q.bent > p.bent { (wanted - p.bent) / (q.bent - p.bent) } else { 0.5 };
-        let s = a + (b - a) * part;
-        let (state, l) = (self.step(p, a, s)?, self.line(s)?);
+        let l = self.line(s)?;
         let (e, way) = (l.n.cross(&l.w), Vec2::new(state.turn.cos(), state.turn.sin()));
         let hollow = l.curvature() < 0.0;
         let (bent, depth) = (l.dn.norm(), self.depth_of(&l));
         let (radius, rise) = ((l.dp - l.dn * depth).dot(&e) / bent, l.dw.dot(&e) / bent);
         Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise, depth })
+    }
+
+    /// The step at whose end a share of the turn of the normal is passed, the parameter of the ruling there, and its state. An edge
+    /// is a step of its own.
+    pub(super) fn turned(&self, share: f64) -> Option<(usize, f64, State)> {
+        let wanted = share * self.nodes[self.nodes.len() - 1].1.bent;
+        let k = self.nodes.partition_point(|n| n.1.bent < wanted).clamp(1, self.nodes.len() - 1);
+        let ((a, p), (b, q)) = (self.nodes[k - 1], self.nodes[k]);
+        let part = if q.bent > p.bent { (wanted - p.bent) / (q.bent - p.bent) } else { 0.5 };
+        let mut s = a + (b - a) * part;
+        let mut state = self.step(p, a, s)?;
+        // The turn is not even over a step, which would move the ruling by the square of the step.
+        for _ in 0..NEWTON {
+            let more = (wanted - state.bent) / self.line(s)?.dn.norm();
+            if !more.is_finite() || a == b || q.bent <= p.bent {
+                break;
+            }
+            s = (s + more).clamp(a, b);
+            state = self.step(p, a, s)?;
+        }
+        Some((k, s, state))
     }
 
     /// An edge as a ruling: its radius is that of a sheet which is bent as much between the middles of the spans beside it.

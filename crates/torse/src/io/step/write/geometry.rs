@@ -92,6 +92,10 @@ pub fn surface(r: &mut Records, s: &ShellSurface) -> u64 {
             r.push(&format!("CONICAL_SURFACE('',#{a},{},{})", real(*radius), real(*half_angle)))
         }
         ShellSurface::Spline { surface, form } => spline_surface(r, surface, form.keyword()),
+        ShellSurface::Offset { surface, form, distance } => {
+            let base = spline_surface(r, surface, form.keyword());
+            r.push(&format!("OFFSET_SURFACE('',#{base},{},.F.)", real(*distance)))
+        }
     }
 }
 

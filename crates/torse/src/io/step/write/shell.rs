@@ -1,5 +1,6 @@
 //! Shells: faces with shared edges and vertices, as a STEP file has them.
 
+use crate::develop::shop::offsets::{OffsetForm, OffsetPanel};
 use crate::draw::scene::titled;
 use crate::geom::{Frame, Vec3};
 use crate::patchwork::panel::Panel;
@@ -102,6 +103,15 @@ pub enum ShellSurface {
         /// What it is, for readers that care.
         form: SurfaceForm,
     },
+    /// The surface at a distance from a B-spline surface.
+    Offset {
+        /// The surface.
+        surface: Surface,
+        /// What it is, for readers that care.
+        form: SurfaceForm,
+        /// The distance, mm, on the side of ∂u × ∂v.
+        distance: f64,
+    },
 }
 
 /// The hint `surface_form` of a B-spline surface.
@@ -182,6 +192,46 @@ impl Shell {
             reversed: panel.mirrored() != reversed,
             loops,
         });
+        shell
+    }
+
+    /// The offset of a panel, its normal on the side of that of the panel's face.
+    pub fn of_offset(offset: &OffsetPanel) -> Self {
+        let mut shell = Self { name: offset.name.clone(), ..Self::default() };
+        let surface = || offset.patch.clone();
+        let form = offset.kind.into();
+        let surface = match &offset.form {
+            OffsetForm::Plane(frame) => ShellSurface::Plane(*frame),
+            OffsetForm::Cylinder { frame, radius } => ShellSurface::Cylinder { frame: *frame, radius: *radius },
+            OffsetForm::Cone { frame, radius, half_angle } => {
+                ShellSurface::Cone { frame: *frame, radius: *radius, half_angle: *half_angle }
+            }
+            OffsetForm::Beside(0.0) => ShellSurface::Spline { surface: surface(), form },
+            OffsetForm::Beside(distance) => ShellSurface::Offset { surface: surface(), form, distance: *distance },
+        };
+        // Elementary surfaces have parameters of their own.
+        let has_trims = matches!(offset.form, OffsetForm::Beside(_));
+        let mut loops = Vec::with_capacity(offset.loops.len());
+        for runs in &offset.loops {
+            let first = shell.edges.len();
+            let mut uses = Vec::with_capacity(runs.len());
+            for (i, run) in runs.iter().enumerate() {
+                shell.vertices.push(Vec3::from(run.edge.control.first().copied().unwrap_or_default()));
+                let trim = has_trims.then(|| run.trim.clone());
+                uses.push(EdgeUse { edge: first + i, forward: !offset.reversed, trim });
+                shell.edges.push(ShellEdge {
+                    start: first + i,
+                    end: first + (i + 1) % runs.len(),
+                    curve: ShellCurve::Spline(run.edge.clone()),
+                });
+            }
+            if offset.reversed {
+                uses.reverse();
+            }
+            loops.push(uses);
+        }
+        let reversed = (offset.mirrored != offset.reversed) != offset.turned;
+        shell.faces.push(ShellFace { name: offset.name.clone(), surface, reversed, loops });
         shell
     }
 

@@ -159,6 +159,10 @@ fn curves_are_read_as_jobs_want_them() {
     // Without curves, the edges.
     let v = [[0., 0.], [4., 0.], [4., 3.]];
     let face = plane_face(4, &v, &[Ring { corners: &[0, 1, 2], outer: true }], false, true);
+    // Beside faces curves are counted, and said not to be carried.
+    let beside = vec![Item::new(BREP_TYPE, BREP, face.clone()), Item::new(CURVE_TYPE, LINE, Out::new(4))];
+    let model = read(&Specimen::new(4, beside).bytes()).expect("a face");
+    assert!(model.notes.iter().any(|n| words::note(n).starts_with("1 curve beside the faces")), "{:?}", model.notes);
     let (found, _) =
         free_curves::curves(&Specimen::new(4, vec![Item::new(BREP_TYPE, BREP, face)]).bytes()).expect("edges");
     assert_eq!(found.iter().map(|c| c.label.as_str()).collect::<Vec<_>>(), ["1.1", "1.2", "1.3"]);

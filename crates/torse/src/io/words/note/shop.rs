@@ -2,17 +2,14 @@
 
 use super::super::numbers::{length, number};
 use super::unroll::factor;
-use crate::answer::note::{LeastRadius, ShopNote, TooTight};
+use crate::answer::note::{LeastRadius, Material, OffsetSide, ShopNote, TooTight};
 
 /// Parts that are named in one note; more are counted.
 const NAMED: usize = 4;
 
 pub(super) fn words(note: &ShopNote) -> String {
     match note {
-        ShopNote::Material(m) => {
-            let least = m.least_radius.map_or_else(String::new, |r| format!(", least inside radius {}", least_radius(r)));
-            format!("Material: {}, {} kg/m³{least}; typical numbers, ask the supplier.", m.name, number(m.density))
-        }
+        ShopNote::Material(m) => material(m),
         ShopNote::Sheet(sheet) => format!(
             "Sheet of {}; the panels are its {}. {}. Parts hollow both ways have it in the middle.",
             length(sheet.thickness),
@@ -54,12 +51,46 @@ pub(super) fn words(note: &ShopNote) -> String {
              inwards are in facets.csv.",
             length(*displacement_estimate)
         ),
+        ShopNote::Offsets { edge_error } => format!(
+            "inside.step, neutral.step and outside.step hold the sides of the sheet and its neutral surface, the panels at a constant \
+             distance each; edges are within {} of it (measured, not proven).",
+            length(*edge_error)
+        ),
+        ShopNote::NoOffset { panel, side, none } => format!(
+            "{panel} is not in {}: at ({}, {}, {}) mm it has a radius of {}, for which that side of the sheet is too far away.",
+            side.file(),
+            number(none.at.x),
+            number(none.at.y),
+            number(none.at.z),
+            length(none.radius)
+        ),
+        ShopNote::NoOffsets { parts } => format!(
+            "No sides of the sheet are written of {}: bodies of sheet have both, and faces without a panel have none.",
+            named(parts)
+        ),
+        ShopNote::NeutralVaries { parts } => format!(
+            "{}: the neutral surface is not at one distance from the panels, and not in {}.",
+            named(parts),
+            OffsetSide::Neutral.file()
+        ),
+        ShopNote::OffsetsOfCones => {
+            "The sides of the sheet and its middle are in thickness.step, as cones, cylinders and planes.".into()
+        }
         ShopNote::Unknown { parts } => format!(
             "Roll radii, kinks, sections and the neutral fibre are not known of {}: patterns drawn from other surfaces than \
              the panels. Patterns and weights are those of the faces in the file, also where the sheet lies to one side of these.",
             named(parts)
         ),
     }
+}
+
+fn material(m: &Material) -> String {
+    let least = m.least_radius.map_or_else(String::new, |r| format!(", least inside radius {}", least_radius(r)));
+    let from = match m.source.as_str() {
+        "" => "typical numbers, ask the supplier".into(),
+        source => format!("numbers from: {source}"),
+    };
+    format!("Material: {}, {} kg/m³{least}; {from}.", m.name, number(m.density))
 }
 
 fn least_radius(least: LeastRadius) -> String {
