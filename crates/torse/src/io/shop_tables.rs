@@ -62,16 +62,22 @@ pub fn facets(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     any.then(|| out.into_bytes())
 }
 
-/// Bevels along every seam and joint: `bevels.csv`; lengths in `unit`. `None` where there are none.
+/// Bevels along every seam and joint that has a kink: `bevels.csv`; lengths in `unit`. `None` where there are none.
 pub fn bevels(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
         "seam,part_a,part_b,station,position_{sign},fold,kink_deg,bevel_deg,inside_ends_before_outside_{sign}\n"
     );
+    let mut any = false;
     for seam in &answer.shop.bevels {
+        // Where parts go on smoothly there is nothing to bevel.
+        if seam.stations.iter().all(|s| printed(s.kink.abs().to_degrees(), 4) == printed(0.0, 4)) {
+            continue;
+        }
+        any = true;
         for (k, s) in seam.stations.iter().enumerate() {
             let thickness = seam.thickness.or(answer.shop.thickness);
-            let setback = thickness.map_or_else(String::new, |t| format!("{:.3}", unit.of(s.setback(t))));
+            let setback = thickness.map_or_else(String::new, |t| printed(unit.of(s.setback(t)), 3));
             _ = writeln!(
                 out,
                 "{},{},{},{},{:.3},{},{:.4},{:.4},{setback}",
@@ -86,12 +92,12 @@ pub fn bevels(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
             );
         }
     }
-    (!answer.shop.bevels.is_empty()).then(|| out.into_bytes())
+    any.then(|| out.into_bytes())
 }
 
-/// A number with four digits; zero without a sign.
-fn printed(x: f64) -> String {
-    let text = format!("{x:.4}");
+/// A number with so many digits behind the point; zero without a sign.
+fn printed(x: f64, digits: usize) -> String {
+    let text = format!("{x:.digits$}");
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| "0.".contains(c)) => rest.to_owned(),
         _ => text,
@@ -107,7 +113,7 @@ pub(crate) fn joints(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let name = |k: usize| answer.parts.get(k).map_or_else(String::new, |p| quoted(&p.name));
     for joint in &answer.joints {
         let [a, b] = joint.lengths;
-        let length = |x: f64| if x.is_finite() { printed(unit.of(x)) } else { String::new() };
+        let length = |x: f64| if x.is_finite() { printed(unit.of(x), 4) } else { String::new() };
         let kinks = || joint.stations.iter().map(|s| s.kink.to_degrees());
         _ = writeln!(
             out,
@@ -118,8 +124,8 @@ pub(crate) fn joints(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
             length(a),
             length(b),
             length(b - a),
-            printed(kinks().fold(f64::INFINITY, f64::min)),
-            printed(kinks().fold(f64::NEG_INFINITY, f64::max))
+            printed(kinks().fold(f64::INFINITY, f64::min), 4),
+            printed(kinks().fold(f64::NEG_INFINITY, f64::max), 4)
         );
     }
     (!answer.joints.is_empty()).then(|| out.into_bytes())

@@ -1,10 +1,16 @@
 //! Which surfaces are taken for developable, whatever file, unit and hand they come in.
 
+use crate::brep::face::Face;
 use crate::brep::recognised_surface::{recognise, RecognisedSurface};
+use crate::certify::claim::Status;
+use crate::control::Control;
+use crate::develop::shop::thickness::{Sheet, SheetSide};
+use crate::develop::unfold::allowance::KFactor;
 use crate::geom::Vec3;
 use crate::io::step::write::{self as step, Header, Shell};
 use crate::io::{cad, iges, threedm};
 use crate::patchwork::panel::Patchwork;
+use crate::pipeline::unroll::{unroll, UnrollOptions};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
@@ -149,5 +155,19 @@ fn the_least_twist_is_seen_and_told_as_it_is() {
             assert!(last.get(k).is_none_or(|l| twist > l));
         }
         last = twists;
+    }
+}
+
+/// What the proof adds where a map has no closed form has room in the tolerance, on either side of a sheet too.
+#[test]
+fn arcs_leave_room_for_what_maps_are_not_known_by() {
+    let all = specimens();
+    let (_, surface) = all.iter().find(|s| s.0 == "tangent surface").expect("a tangent surface");
+    for side in [SheetSide::Inside, SheetSide::Outside] {
+        let sheet = Some(Sheet { thickness: 4.0, side, k: KFactor::Ansi(0.42) });
+        let options = UnrollOptions { surfaces: true, sheet, ..UnrollOptions::new(0.01) };
+        let model = super::model_of(vec![Face::untrimmed(surface.clone())]);
+        let answer = unroll(&model, &options, &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{side:?}");
     }
 }
