@@ -136,7 +136,7 @@ fn around(
 /// ```
 /// let pipe = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
 /// let options = torse::ElementFitOptions { rulings_of_face: 24, ..torse::ElementFitOptions::new(0.5, "pipe") };
-/// assert!(torse::fit_faces(&pipe.faces, &[], &options, &torse::Control::default())?.patchwork.panels.len() > 0);
+/// assert!(torse::fit_faces(&pipe.faces, &[], &options, &torse::Control::default())?.patchwork().panels.len() > 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fit_faces(

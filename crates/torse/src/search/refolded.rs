@@ -148,12 +148,12 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
         let wide = if s.in_space.turn == 0.0 { 0.0 } else { width(s) / widest };
         let n = (turn / FINE).max(wide).ceil().clamp(1.0, MOST) as usize;
         let mut shares: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
-        let inner = |c: &f64| shares.iter().all(|x| (x - c).abs() > APART);
+        let inner = |c: &f64| shares.iter().all(|x| (x - c).abs() * n as f64 > APART);
         let more: Vec<f64> = cuts.iter().map(|t| t - k as f64).filter(|c| *c > 0.0 && *c < 1.0).filter(inner).collect();
         shares.extend(more);
         shares.sort_by(f64::total_cmp);
         // Corners of neighbours are one place.
-        shares.dedup_by(|b, a| *b - *a <= APART);
+        shares.dedup_by(|b, a| (*b - *a) * n as f64 <= APART);
         spans.extend(shares.windows(2).map(|w| {
             let part = |r: &Rates| {
                 let x = w[1] - w[0];
@@ -176,7 +176,7 @@ fn width(s: &Span) -> f64 {
     s.reach.map(|v| (s.in_space.across + v * s.in_space.spin).abs()).into_iter().fold(0.0, f64::max)
 }
 
-/// Share of a span within which places are one.
+/// Share of a part of a span within which places are one.
 const APART: f64 = 1e-3;
 /// Parts of one span at most.
 const MOST: f64 = 4096.0;
