@@ -23,9 +23,6 @@ use std::ops::Range;
 
 /// Turn (rad) over a span that is judged at most.
 const FINE: f64 = 4e-3;
-/// Share of the way across all rulings that a bent span may take: where a sheet hardly turns, the parameters of its panel still run
-/// unevenly.
-const WIDE: f64 = 1.0 / 512.0;
 /// How far (in spans) an outline may lie beyond the rulings that were laid: rounding of tables.
 const BEYOND: f64 = 1e-3;
 /// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
@@ -142,11 +139,9 @@ fn joints(ribbon: &Ribbon, atlas: &Atlas) -> Vec<f64> {
 fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
     let moved = |p: &Pose| Pose { axes: motion.linear * p.axes, at: motion.point(&p.at) };
     let mut spans = Vec::with_capacity(ribbon.spans.len());
-    let widest = WIDE * ribbon.spans.iter().map(width).sum::<f64>();
     for (k, s) in ribbon.spans.iter().enumerate() {
         let turn = s.in_space.turn.hypot(s.in_space.spin);
-        let wide = if s.in_space.turn == 0.0 { 0.0 } else { width(s) / widest };
-        let n = (turn / FINE).max(wide).ceil().clamp(1.0, MOST) as usize;
+        let n = (turn / FINE).ceil().clamp(1.0, MOST) as usize;
         let mut shares: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
         let inner = |c: &f64| shares.iter().all(|x| (x - c).abs() * n as f64 > APART);
         let more: Vec<f64> = cuts.iter().map(|t| t - k as f64).filter(|c| *c > 0.0 && *c < 1.0).filter(inner).collect();
@@ -169,11 +164,6 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
         }));
     }
     Ribbon { spans }
-}
-
-/// Way across the rulings of a span at its broader end, mm.
-fn width(s: &Span) -> f64 {
-    s.reach.map(|v| (s.in_space.across + v * s.in_space.spin).abs()).into_iter().fold(0.0, f64::max)
 }
 
 /// Share of a part of a span within which places are one.
