@@ -133,7 +133,7 @@ fn flat_edges_of_an_exact_seam_have_equal_lengths() {
 fn the_step_file_holds_one_shell_with_shared_edges() {
     let mut bytes = Vec::new();
     let header = Header { name: "torus".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
-    panels(&mut bytes, &header, &met().patchwork(), &[]).expect("a file");
+    panels(&mut bytes, &header, met().patchwork(), &[]).expect("a file");
     let text = String::from_utf8(bytes).expect("text");
     let count = |what: &str| text.matches(what).count();
     let n = met().patchwork().panels.len();

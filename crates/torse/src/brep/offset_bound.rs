@@ -124,7 +124,7 @@ fn dot(a: &[Tensor; 3], b: &[Tensor; 3]) -> Tensor {
     let mut out = a[0].times(&b[0]);
     for d in 1..3 {
         let more = a[d].times(&b[d]);
-        out.0.iter_mut().flatten().zip(more.0.into_iter().flatten()).for_each(|(x, y)| *x = *x + y);
+        out.0.iter_mut().flatten().zip(more.0.into_iter().flatten()).for_each(|(x, y)| *x += y);
     }
     out
 }

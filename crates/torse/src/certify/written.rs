@@ -542,6 +542,11 @@ mod tests {
         assert!(found.reason().is_none() && found.bound() < 1e-12, "{:?} {:e}", found.reason(), found.bound());
     }
 
+    fn upward_mark() -> Mark {
+        let (point, inward) = (Vec2::new(30.0, 0.0), Vec2::y());
+        Mark { point, inward, label: "S1.1".into(), on: MarkPlace::Seam, apart: 0.0 }
+    }
+
     #[test]
     fn drawings_agree_up_to_a_rigid_motion_and_arcs_up_to_their_bulge() {
         let corner = |x: f64, y: f64, bulge: f64| ContourVertex { point: Vec2::new(x, y), bulge, corner: true };
@@ -586,17 +591,10 @@ mod tests {
         assert!(drawing(&all, &[wrong]).reason().is_some());
         assert!(drawing(&all, &[]).reason().is_some());
         // A mark that points out of the part.
-        let mark = Mark {
-            point: Vec2::new(30.0, 0.0),
-            inward: Vec2::y(),
-            label: "S1.1".into(),
-            on: MarkPlace::Seam,
-            apart: 0.0,
-        };
-        let marked = Pattern { marks: vec![mark], ..pattern.clone() };
+        let marked = Pattern { marks: vec![upward_mark()], ..pattern.clone() };
         let ticked = |to: Vec2| {
             let marks = vec![[moved(&Vec2::new(30.0, 0.0)), moved(&to)]];
-            drawing(&[marked.clone()], &[WrittenPiece { marks, ..piece(WrittenArc::Bulge(0.4)) }]).bound()
+            drawing(std::slice::from_ref(&marked), &[WrittenPiece { marks, ..piece(WrittenArc::Bulge(0.4)) }]).bound()
         };
         assert!(ticked(Vec2::new(30.0, 3.0)) < 1e-11 && ticked(Vec2::new(30.0, 2.0)) < 1e-11);
         assert!(ticked(Vec2::new(30.0, -3.0)) > 5.9 && ticked(Vec2::new(32.0, 2.0)) > 1.9);
