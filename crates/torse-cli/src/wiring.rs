@@ -126,7 +126,7 @@ pub fn cones_of_panels(answer: &Answer, whole: f64, drawn: Drawn, control: &Cont
 /// The bending of cone splines into the plane: an animation and a strip of pictures.
 pub fn bending_files(answer: &Answer) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     const STAGES: usize = 16;
-    let Some(cones) = &answer.cones() else { return Ok(Vec::new()) };
+    let Some(cones) = answer.cones() else { return Ok(Vec::new()) };
     let shown = present(answer);
     let stages = cone_shapes::bending(cones, &shown, STAGES);
     let eye = cone_shapes::bending_direction(cones, &shown);
@@ -135,7 +135,7 @@ pub fn bending_files(answer: &Answer) -> Result<Vec<(String, Vec<u8>)>, Failure>
 
 /// Inner, neutral and outer surfaces of sheets with a thickness (mm).
 pub fn thickness_files(answer: &Answer, thickness: f64) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let Some(cones) = &answer.cones() else { return Ok(Vec::new()) };
+    let Some(cones) = answer.cones() else { return Ok(Vec::new()) };
     let surfaces = cone_shapes::thick(&cones.bodies, thickness)
         .map_err(|e| Failure::new(e.to_string(), "give a smaller --thickness, or leave it out"))?;
     let scene = cone_shapes::scene(&surfaces, Marks::of(answer).any());

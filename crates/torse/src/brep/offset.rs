@@ -256,4 +256,18 @@ mod tests {
         let (worst, bound) = (seen(&bump, &s, distance), distance_from_offset(&bump, &s, distance, 1e-3));
         assert!(worst > 1e-3 && (worst..2.5 * worst).contains(&bound), "{worst:e} {bound:e}");
     }
+
+    #[test]
+    fn a_surface_that_folds_back_on_itself_has_its_offset_on_both_sides() {
+        let ku = Knots::clamped(1, &[0.0, 0.5, 1.0]).expect("knots");
+        let kv = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let plate = |xs: [f64; 3], z: f64| {
+            let points: Vec<Vec3> = xs.iter().flat_map(|x| [0.0, 1.0].map(|y| Vec3::new(*x, y, z))).collect();
+            Surface::new(ku.clone(), kv.clone(), &points, None).expect("surface")
+        };
+        let (through, back) = ([0.0, 1.0, 2.0], [0.0, 1.0, 0.4]);
+        assert!(distance_from_offset(&plate(through, 0.2), &plate(through, 0.0), 0.2, 0.0) < 1e-10);
+        // The normal is turned over behind the fold.
+        assert!(distance_from_offset(&plate(back, 0.2), &plate(back, 0.0), 0.2, 0.0).is_infinite());
+    }
 }

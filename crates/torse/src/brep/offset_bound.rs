@@ -4,7 +4,7 @@
 //! and stands square on the surface: `G·S_u`, `G·S_v` and `G·G − d²` are polynomials (over powers of the weight, where S
 //! has some), which their Bernstein coefficients enclose over every cell. The part of G along the surface is
 //! `g² = aᵀ M⁻¹ a` with `a = (G·S_u, G·S_v)` and the metric M; across it is `n² = G·G − g²`, so that F is within
-//! `√(g² + (n − d)²)`, `n − d = (n² − d²)/(n + d)`, of the point at the distance d, on the side on which one place lies.
+//! `√(g² + (n − d)²)`, `n − d = (n² − d²)/(n + d)`, of the point at the distance d, on the side of S on which one place of the cell lies.
 
 use crate::num::bernstein::{derivative, difference, halves, hull, product, SplinePiece};
 use crate::num::binomial::binomial;
@@ -21,24 +21,25 @@ const LOOSE: f64 = 2.0;
 const ROUNDED: f64 = 1e-12;
 
 /// Bound of the distance between `spline` and the offset of `base` by `distance` at equal parameters, in the unit of the
-/// surfaces; infinite if none is shown. `seen` is what was found at samples. The knots of the spline hold those of the base.
+/// surfaces; infinite if none is shown. `seen` is what was found at samples, and says only how fine is fine enough. The spline is
+/// polynomial, over the same parameters, and its knots hold those of the base.
 pub(super) fn distance_from_offset(spline: &Surface, base: &Surface, distance: f64, seen: f64) -> f64 {
     let (us, vs) = (spline.knots_u.breaks(), spline.knots_v.breaks());
     let size = base.control.iter().flatten().fold(distance.abs(), |m: f64, x| m.max(x.abs()));
     let enough = LOOSE * seen + ROUNDED * size;
     let cells: Vec<[[f64; 2]; 2]> =
         us.windows(2).flat_map(|u| vs.windows(2).map(move |v| [[u[0], u[1]], [v[0], v[1]]])).collect();
-    let bounds = cells.par_iter().map(|cell| Cell::of(spline, base, cell).bound(distance, enough, DEPTH));
-    let bound = bounds.reduce(|| 0.0, |a, b| if a >= b { a } else { b });
-    // All of the spline is on one side of the surface, as it never meets it: that of one place.
-    let (u, v) = (0.5 * (us[0] + us[1]), 0.5 * (vs[0] + vs[1]));
-    let j = base.jet(u, v);
-    let right = (spline.point(u, v) - j.p).dot(&j.normal()) * distance > 0.0;
-    if right && bound < distance.abs() {
-        bound
-    } else {
-        f64::INFINITY
-    }
+    // Over a cell the spline is on one side of the surface, as it never meets it there: that of one place.
+    let on_that_side = |[u, v]: &[[f64; 2]; 2]| {
+        let (u, v) = (0.5 * (u[0] + u[1]), 0.5 * (v[0] + v[1]));
+        let j = base.jet(u, v);
+        (spline.point(u, v) - j.p).dot(&j.normal()) * distance > 0.0
+    };
+    let bound = |cell: &[[f64; 2]; 2]| match on_that_side(cell) {
+        true => Cell::of(spline, base, cell).bound(distance, enough, DEPTH),
+        false => f64::INFINITY,
+    };
+    cells.par_iter().map(bound).reduce(|| 0.0, f64::max)
 }
 
 /// A polynomial in two variables over a cell, by Bernstein coefficients: rows for the first variable.
