@@ -234,6 +234,20 @@ mod tests {
         });
     }
 
+    /// Parts that are only laid flat name their faces too, but no faces are listed there.
+    #[test]
+    fn rows_of_panels_have_a_cell_under_every_heading() {
+        let flat = Report { faces: Vec::new(), ..sample() };
+        assert!(flat.panels.iter().all(|p| p.face.is_some()));
+        for report in [sample(), flat] {
+            let text = page(&report);
+            let table = &text[text.find("<table id=\"table\">").expect("a table")..];
+            let (head, body) = table.split_once("</thead>").expect("a head");
+            let row = body.split("</tr>").next().expect("a row");
+            assert_eq!(head.matches("<th").count() - head.matches("<thead").count(), row.matches("<td").count());
+        }
+    }
+
     #[test]
     fn names_from_the_file_cannot_become_markup() {
         let mut report = sample();

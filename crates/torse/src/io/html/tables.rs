@@ -80,8 +80,11 @@ fn panel_row(index: usize, panel: &PanelRecord, columns: &[&FigureRecord], repor
     let swatch = colour::hex(colour::shown(index, !panel.certified));
     let name = escape(&titled(&panel.name, !panel.certified));
     cell("name", &name, &format!("<i style=\"background:{swatch}\"></i>{name}"));
-    if let Some(face) = panel.face {
-        cell("", &format!("{face:06}"), &escape(&face_name(report, face)));
+    // Under its heading, which only reports of covers have.
+    if report.covers_faces() {
+        let (key, text) =
+            panel.face.map_or_else(Default::default, |f| (format!("{f:06}"), escape(&face_name(report, f))));
+        cell("", &key, &text);
     }
     cell("", &escape(&panel.kind), &escape(&panel.kind));
     for column in columns {
