@@ -9,11 +9,11 @@
 
 use super::distance::key;
 use crate::brep::face::Face;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
 use crate::reason::CoverFault;
 use robust::{orient2d, Coord};
-use std::collections::{HashMap, HashSet};
 
 /// How far, relative to the face's parameter box, the vertices that subdivide a trimming side may lie off it:
 /// a few roundings.
@@ -33,7 +33,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
     if partition.labels.len() != t.len() {
         return Err(CoverFault::Labels);
     }
-    let mut edges: HashMap<(u32, u32), bool> = HashMap::with_capacity(3 * t.len());
+    let mut edges: HashMap<(u32, u32), bool> = HashMap::with_capacity_and_hasher(3 * t.len(), Default::default());
     for (i, triangle) in t.iter().enumerate() {
         let [Some(a), Some(b), Some(c)] = triangle.map(|k| v.get(k as usize)) else {
             return Err(CoverFault::NoVertex(i));
@@ -51,7 +51,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
         }
     }
     // Edges without their opposite: the boundary.
-    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut next: HashMap<u32, Vec<u32>> = HashMap::default();
     let mut open = 0usize;
     for &(a, b) in edges.keys() {
         if !edges.contains_key(&(b, a)) {
@@ -127,7 +127,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
 /// # Errors
 /// What is wrong.
 pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> Result<(), CoverFault> {
-    let mut owners = HashSet::new();
+    let mut owners = HashSet::default();
     for p in panels {
         let Some(trim) = p.trim.as_ref().filter(|t| t.face < partitions.len()) else {
             return Err(CoverFault::NoFace(p.strip.name.clone()));
@@ -149,8 +149,8 @@ pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> 
 /// # Errors
 /// What is wrong.
 pub(super) fn loops_bound_triangles(partition: &Partition, trim: &PanelTrim) -> Result<(), CoverFault> {
-    let mut edges = HashSet::new();
-    let mut others = HashSet::new();
+    let mut edges = HashSet::default();
+    let mut others = HashSet::default();
     for (t, &label) in partition.triangles.iter().zip(&partition.labels) {
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);

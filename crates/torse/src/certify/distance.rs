@@ -25,10 +25,10 @@ use super::vector::{dot, exact};
 use super::verdict::{Obstruction, Verdict};
 use crate::control::Control;
 use crate::geom::Vec3;
+use crate::num::hash::{HashMap, HashSet};
 use crate::num::interval::Interval;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -234,7 +234,7 @@ pub(super) fn judge(
         let (min_bend_radius, regression_clearance) = (least, least);
         let parts =
             JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0, curl: Curl::NONE };
-        Judged { parts, feet: Feet::new(), bounds: Vec::new() }
+        Judged { parts, feet: Feet::default(), bounds: Vec::new() }
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
     let Some(any) = triangles.first() else {
@@ -475,7 +475,7 @@ impl Search<'_> {
 
 impl Rim {
     fn of(triangles: &[[[f64; 2]; 3]]) -> Self {
-        let mut edges = HashSet::new();
+        let mut edges = HashSet::default();
         for t in triangles {
             for k in 0..3 {
                 let (a, b) = (key(&t[k]), key(&t[(k + 1) % 3]));
@@ -530,7 +530,7 @@ fn middlemost(prepared: &Prepared, family: &Family, triangles: &[[[f64; 2]; 3]],
 /// All triangles in an order in which they follow neighbours (triangles with a common corner) from the `first` on, each
 /// with the place of that neighbour in the order.
 fn walk(triangles: &[[[f64; 2]; 3]], first: usize) -> Vec<(usize, Option<usize>)> {
-    let mut numbers: HashMap<Key, usize> = HashMap::with_capacity(triangles.len());
+    let mut numbers: HashMap<Key, usize> = HashMap::with_capacity_and_hasher(triangles.len(), Default::default());
     let mut at_corner: Vec<Vec<usize>> = Vec::with_capacity(triangles.len());
     let mut corners: Vec<[usize; 3]> = Vec::with_capacity(triangles.len());
     for (i, t) in triangles.iter().enumerate() {
@@ -573,7 +573,7 @@ fn centroid(t: &[[f64; 2]; 3]) -> [f64; 2] {
 
 /// Gluing: foot intervals of triangles with a common corner must meet, and all must have the same orientation.
 fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
-    let mut common = Feet::with_capacity(accepted.len());
+    let mut common = Feet::with_capacity_and_hasher(accepted.len(), Default::default());
     let mut sign = 0;
     let mut verdict = None;
     for a in accepted {

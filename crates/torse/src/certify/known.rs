@@ -7,7 +7,7 @@
 
 use super::certificate::PanelParts;
 use super::ruled::RuledJets;
-use std::collections::HashMap;
+use crate::num::hash::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What was proven about a panel, and its patch ready for the seams.

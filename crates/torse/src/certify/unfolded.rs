@@ -24,11 +24,11 @@ use super::trims::trim_proof;
 use super::Certificate;
 use crate::brep::face::Face;
 use crate::geom::Vec2;
+use crate::num::hash::HashMap;
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::Pattern;
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// What is judged.
 #[derive(Clone, Debug)]
@@ -147,7 +147,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let beside = UpperBound::largest(edges.par_iter().map(beside).collect::<Vec<_>>());
     let map_surface_distance = map_surface_distance.max(beside);
     // Every image uses its face's map, or that of the strip it lies in, and all of a face lie in one place.
-    let mut places: HashMap<usize, ([f64; 2], Vec2)> = HashMap::new();
+    let mut places: HashMap<usize, ([f64; 2], Vec2)> = HashMap::default();
     let known = images().all(|i| match part.maps.get(i.face) {
         Some(Some(m)) => *m == i.map && *places.entry(i.face).or_insert((i.turn, i.shift)) == (i.turn, i.shift),
         Some(None) => part.strips.get(i.face).is_some_and(|all| all.iter().any(|s| is_of_strip(i, s))),

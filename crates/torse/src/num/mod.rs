@@ -6,6 +6,7 @@ pub(crate) mod block_matrix;
 pub mod gauss_newton;
 pub(crate) mod golden_section;
 pub(crate) mod greatest;
+pub(crate) mod hash;
 pub mod interval;
 pub(crate) mod jet;
 pub(crate) mod least_squares;

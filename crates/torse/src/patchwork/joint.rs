@@ -5,8 +5,8 @@
 use super::panel::{Border, Coedge, Patchwork};
 use crate::brep::face::Face;
 use crate::geom::{BBox, Vec3};
+use crate::num::hash::{HashMap, HashSet};
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
 
 /// One side of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -124,7 +124,7 @@ pub fn joints(patchwork: &Patchwork, reach: f64, spacing: f64) -> Vec<Joint<'_>>
     }
     let all: Vec<CoedgePolyline> =
         runs.into_par_iter().map(|(k, run, edge)| CoedgePolyline::new(k, run, edge, reach)).collect();
-    let mut uses: HashMap<u64, HashSet<(usize, u32)>> = HashMap::new();
+    let mut uses: HashMap<u64, HashSet<(usize, u32)>> = HashMap::default();
     for (face, label, entity) in all.iter().map(|c| c.edge).filter(|e| e.2 != 0) {
         uses.entry(entity).or_default().insert((face, label));
     }

@@ -1,7 +1,8 @@
 //! A polygonal region of a parameter plane, cut into triangles that carry labels: the one record of which part
 //! of a face belongs to which panel. All cuts are shared by both sides, so coverage is a matter of counting.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use crate::num::hash::{HashMap, HashSet};
+use std::collections::BTreeMap;
 
 /// Label of triangles that belong to no panel yet.
 pub(crate) const UNASSIGNED: u32 = u32::MAX;
@@ -65,7 +66,7 @@ impl Partition {
 
     /// Map from directed edge to the triangle on its left.
     pub fn adjacency(&self) -> HashMap<(u32, u32), u32> {
-        let mut map = HashMap::with_capacity(3 * self.triangles.len());
+        let mut map = HashMap::with_capacity_and_hasher(3 * self.triangles.len(), Default::default());
         for (i, &t) in self.triangles.iter().enumerate() {
             for e in edges(t) {
                 map.insert(e, i as u32);
@@ -118,7 +119,8 @@ impl Partition {
 
     /// Groups of triangles that hang together across edges between triangles that `join` (asked with indices).
     pub fn components(&self, triangles: &[usize], join: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
-        let mut of_edge: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * triangles.len());
+        let mut of_edge: HashMap<(u32, u32), usize> =
+            HashMap::with_capacity_and_hasher(3 * triangles.len(), Default::default());
         let mut parent: Vec<usize> = (0..triangles.len()).collect();
         for (k, &t) in triangles.iter().enumerate() {
             for (a, b) in edges(self.triangles[t]) {
@@ -130,7 +132,7 @@ impl Partition {
                 }
             }
         }
-        let mut groups: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut groups: HashMap<usize, Vec<usize>> = HashMap::default();
         for (k, &t) in triangles.iter().enumerate() {
             groups.entry(root(&mut parent, k)).or_default().push(t);
         }
@@ -142,14 +144,14 @@ impl Partition {
     /// conforming. `value` should be continuous; along an edge its zero is found by the secant rule.
     pub fn cut(&mut self, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
         let tris = self.region(label);
-        let mut val: HashMap<u32, f64> = HashMap::new();
+        let mut val: HashMap<u32, f64> = HashMap::default();
         for &t in &tris {
             for v in self.triangles[t] {
                 val.entry(v).or_insert_with(|| value(self.vertices[v as usize]));
             }
         }
         // Zeros on edges, snapping to vertices first.
-        let mut crossing: HashMap<(u32, u32), f64> = HashMap::new();
+        let mut crossing: HashMap<(u32, u32), f64> = HashMap::default();
         for &t in &tris {
             for (a, b) in edges(self.triangles[t]) {
                 let key = undirected(a, b);
@@ -168,7 +170,7 @@ impl Partition {
                 val.insert(b, 0.0);
             }
         }
-        let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut middle: HashMap<(u32, u32), u32> = HashMap::default();
         for &((a, b), s) in &keys {
             if val[&a] * val[&b] < 0.0 {
                 let (p, q) = (self.vertices[a as usize], self.vertices[b as usize]);
@@ -283,7 +285,7 @@ impl Partition {
     /// The triangles with a label as a partition of their own, with the same labels; second result: for each of
     /// its vertices the vertex here. Border edges of the part are not classified.
     pub fn extract(&self, label: u32) -> (Self, Vec<u32>) {
-        let mut map: HashMap<u32, u32> = HashMap::new();
+        let mut map: HashMap<u32, u32> = HashMap::default();
         let mut old = Vec::new();
         let mut part = Self::default();
         for t in self.region(label) {
@@ -302,8 +304,9 @@ impl Partition {
 
     /// Pairs of labels that share edges, with the number of edges shared; lower label first.
     pub fn neighbours(&self) -> HashMap<(u32, u32), usize> {
-        let mut first: HashMap<(u32, u32), u32> = HashMap::with_capacity(2 * self.triangles.len());
-        let mut out = HashMap::new();
+        let mut first: HashMap<(u32, u32), u32> =
+            HashMap::with_capacity_and_hasher(2 * self.triangles.len(), Default::default());
+        let mut out = HashMap::default();
         for (t, &l) in self.triangles.iter().zip(&self.labels) {
             for (a, b) in edges(*t) {
                 if let Some(o) = first.insert(undirected(a, b), l) {

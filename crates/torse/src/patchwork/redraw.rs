@@ -2,9 +2,10 @@
 
 use super::partition::{edges, Partition};
 use super::triangulate::{crossings, snap, Points, SNAP};
+use crate::num::hash::{HashMap, HashSet};
 use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
-use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 
 /// Vertices of the old triangulation this close to a new border (share of a mean edge) give way.
 const CLEAR: f64 = 0.3;
@@ -74,8 +75,8 @@ impl<'a> Drawing<'a> {
         let going: HashSet<[u32; 2]> = lines.iter().flat_map(|l| [l.labels, [l.labels[1], l.labels[0]]]).collect();
         let of = from.adjacency();
         let label = |e: (u32, u32)| of.get(&e).map(|&t| from.labels[t as usize]);
-        let mut constrained = HashMap::new();
-        let (mut sums, mut kept, mut gone) = ([0.0; 2], BTreeSet::new(), HashSet::new());
+        let mut constrained = HashMap::default();
+        let (mut sums, mut kept, mut gone) = ([0.0; 2], BTreeSet::new(), HashSet::default());
         let mut points = Points::default();
         let mut count = 0.0_f64;
         for (&t, &l) in from.triangles.iter().zip(&from.labels) {
@@ -264,7 +265,8 @@ impl<'a> Drawing<'a> {
 
     /// On which side of the constrained edges every triangle lies. `None` where these contradict each other, or say nothing.
     fn sides(&self, faces: &[[u32; 3]]) -> Option<Vec<Side>> {
-        let mut left: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * faces.len());
+        let mut left: HashMap<(u32, u32), usize> =
+            HashMap::with_capacity_and_hasher(3 * faces.len(), Default::default());
         for (k, &f) in faces.iter().enumerate() {
             left.extend(edges(f).map(|e| (e, k)));
         }
@@ -337,7 +339,7 @@ struct Near {
 
 impl Near {
     fn of(lines: &[Line], cell: [f64; 2]) -> Self {
-        let mut out = Self { cell, pieces: HashMap::new() };
+        let mut out = Self { cell, pieces: HashMap::default() };
         for w in lines.iter().flat_map(|l| l.uv.windows(2)) {
             let piece = [w[0], w[1]].map(|p| out.scaled(&p));
             let range = |d: usize| {

@@ -7,8 +7,8 @@ use super::outside::Hull;
 use super::triangulate::triangulate;
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
+use crate::num::hash::HashMap;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// A sheet of constant thickness.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,12 +148,12 @@ fn thickness(seen: &[Option<Seen>], areas: &[f64]) -> Option<f64> {
 /// Which of two sides every skin face is on: joined faces on the same, opposite faces on the other. `None` where these
 /// contradict each other.
 fn two_sides(faces: &[&Face], skins: &[usize], seen: &[Option<Seen>], thickness: f64) -> Option<HashMap<usize, bool>> {
-    let mut by_edge: HashMap<u64, Vec<usize>> = HashMap::new();
+    let mut by_edge: HashMap<u64, Vec<usize>> = HashMap::default();
     for &k in skins {
         let edges = faces[k].boundary.iter().flat_map(|b| b.loops.iter().flatten()).map(|e| e.entity);
         edges.filter(|&e| e != 0).for_each(|e| by_edge.entry(e).or_default().push(k));
     }
-    let mut links: HashMap<usize, Vec<(usize, bool)>> = HashMap::new();
+    let mut links: HashMap<usize, Vec<(usize, bool)>> = HashMap::default();
     for joined in by_edge.values() {
         for &a in joined {
             links.entry(a).or_default().extend(joined.iter().filter(|b| **b != a).map(|b| (*b, true)));
@@ -168,7 +168,7 @@ fn two_sides(faces: &[&Face], skins: &[usize], seen: &[Option<Seen>], thickness:
             links.entry(j).or_default().push((k, false));
         }
     }
-    let mut side: HashMap<usize, bool> = HashMap::new();
+    let mut side: HashMap<usize, bool> = HashMap::default();
     for &start in skins {
         if side.contains_key(&start) {
             continue;

@@ -5,8 +5,8 @@
 //! chord lengths, since the vertices of cuts are unevenly spaced.
 
 use super::partition::{edges, Partition};
+use crate::num::hash::HashMap;
 use robust::{orient2d, Coord};
-use std::collections::HashMap;
 
 /// Border edges that turn by more than this against each other (cosine, in scaled parameters) form a corner.
 const CORNER: f64 = 0.8;
@@ -86,7 +86,7 @@ impl Partition {
     ) -> usize {
         // Border edges by pair of labels, and for every vertex its neighbours along each such border.
         let left = self.adjacency();
-        let mut along: HashMap<(u32, (u32, u32)), Vec<u32>> = HashMap::new();
+        let mut along: HashMap<(u32, (u32, u32)), Vec<u32>> = HashMap::default();
         let mut seams: Vec<(u32, u32, (u32, u32))> = Vec::new();
         for (&(a, b), &t) in &left {
             if a < b {
@@ -114,7 +114,7 @@ impl Partition {
             let turn = (f * f - d * d - e * e) / (2.0 * d * e);
             (turn > CORNER).then_some(p)
         };
-        let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut middle: HashMap<(u32, u32), u32> = HashMap::default();
         let mut places = Vec::new();
         for &(a, b, pair) in &seams {
             let (p, q) = (at(a), at(b));

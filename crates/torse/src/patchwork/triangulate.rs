@@ -1,8 +1,9 @@
 //! Triangulation of a polygon with holes that respects the lines of a grid.
 
 use super::partition::Partition;
+use crate::num::hash::{HashMap, HashSet};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::VecDeque;
 
 /// Polygon corners this close to a grid line (share of the grid's extent) are moved onto it. Far below the accuracy
 /// of any trim, and it keeps triangles from crossing knot lines by a hair.
@@ -90,7 +91,7 @@ pub(crate) fn triangulate(
     let (su, sv) = (lines_u.len() as f64 / eu, lines_v.len() as f64 / ev);
     let mut cdt: ConstrainedDelaunayTriangulation<Point2<f64>> = ConstrainedDelaunayTriangulation::new();
     let mut handle = Vec::with_capacity(points.list.len());
-    let mut back: HashMap<usize, u32> = HashMap::with_capacity(points.list.len());
+    let mut back: HashMap<usize, u32> = HashMap::with_capacity_and_hasher(points.list.len(), Default::default());
     for (i, p) in points.list.iter().enumerate() {
         let h = cdt.insert(Point2::new(p[0] * su, p[1] * sv)).map_err(|_| TriangulateError::NotFinite(0))?;
         back.entry(h.index()).or_insert(i as u32);
@@ -122,7 +123,7 @@ pub(crate) fn triangulate(
     for f in cdt.inner_faces() {
         faces.push(f.vertices().map(|v| vertex(v.index())));
     }
-    let mut left: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * faces.len());
+    let mut left: HashMap<(u32, u32), usize> = HashMap::with_capacity_and_hasher(3 * faces.len(), Default::default());
     for (i, &f) in faces.iter().enumerate() {
         for e in super::partition::edges(f) {
             left.insert(e, i);
@@ -151,7 +152,7 @@ pub(crate) fn triangulate(
     }
     // Collect, dropping unused vertices.
     let mut out = Partition::default();
-    let mut used: HashMap<u32, u32> = HashMap::new();
+    let mut used: HashMap<u32, u32> = HashMap::default();
     let kept: HashSet<usize> = (0..faces.len()).filter(|&i| inside[i] == Some(true)).collect();
     for i in 0..faces.len() {
         if !kept.contains(&i) {

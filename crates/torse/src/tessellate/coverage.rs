@@ -1,9 +1,9 @@
 //! How much of the faces the panels cover, for reports. The proof that nothing is missing belongs to `certify`.
 
+use crate::num::hash::HashSet;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::partition::Partition;
 use crate::spline::surface::Surface;
-use std::collections::HashSet;
 
 /// Areas of a face (mm², by flat triangles): covered by panels, and whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,7 +91,7 @@ mod tests {
             labels: vec![7, 7, 7, UNASSIGNED],
             ..Partition::default()
         };
-        let labels = HashSet::from([7]);
+        let labels = HashSet::from_iter([7]);
         let part = of_face(&plate, &partition, &labels);
         assert!((part.whole - 8.0).abs() < 1e-12 && (part.share() - 0.75).abs() < 1e-12);
         partition.labels[3] = 7;

@@ -3,11 +3,11 @@
 use crate::geom::box_tree::BoxTree;
 use crate::geom::mesh::Mesh;
 use crate::geom::{BBox, Vec3};
+use crate::num::hash::HashMap;
 use crate::spline::surface::SurfaceJet;
 use crate::torse::ruled_point::RuledPoint;
 use crate::torse::strip::Strip;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// Gauss curvature (1/mm²) of a strip over a grid, v running fastest; 0 where there is no tangent plane.
 pub fn strip_curvature(strip: &Strip, u: &[f64], v: &[f64]) -> Vec<f64> {
@@ -92,7 +92,7 @@ fn beside(x: &Vec3, [a, b]: &[Vec3; 2]) -> f64 {
 
 /// Edges at the border of a mesh, with the mean of the normals at their ends.
 fn border(panel: usize, mesh: &Mesh) -> Vec<Edge> {
-    let mut used: HashMap<[u32; 2], (u32, [u32; 3])> = HashMap::new();
+    let mut used: HashMap<[u32; 2], (u32, [u32; 3])> = HashMap::default();
     for t in &mesh.triangles {
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);

@@ -1,7 +1,8 @@
 //! Meshes of panels and faces for pictures and mesh files: the triangles of the partition, carried to the panels by
 //! the foot map. Nothing is proven here.
 
-use std::collections::{HashMap, VecDeque};
+use crate::num::hash::HashMap;
+use std::collections::VecDeque;
 
 use super::diagnostics::curvature;
 use crate::geom::mesh::Mesh;
@@ -19,7 +20,7 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
     let on = (&p.trim, patchwork.face_of(p), patchwork.partition_of(p));
     let (Some(trim), Some(face), Some(partition)) = on else { return Mesh::default() };
     // 1. Vertices used, neighbours, and feet known from the trimming curves.
-    let mut index: HashMap<u32, u32> = HashMap::new();
+    let mut index: HashMap<u32, u32> = HashMap::default();
     let mut old: Vec<u32> = Vec::new();
     let mut triangles = Vec::new();
     for (t, &l) in partition.triangles.iter().zip(&partition.labels) {

@@ -9,8 +9,7 @@ mod feet;
 mod path;
 pub mod ruled;
 
-use std::collections::{HashMap, HashSet};
-
+use crate::num::hash::{HashMap, HashSet};
 use rayon::prelude::*;
 
 use super::chains::{self, Right};
@@ -133,7 +132,7 @@ impl Borders<'_> {
         let mut places: HashMap<u32, [f64; 2]> =
             feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
         let on_normals = loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
-        let mut normal_places = HashMap::new();
+        let mut normal_places = HashMap::default();
         if on_normals {
             let at = |v: u32| self.partition.vertices[v as usize];
             let bad = |v: u32| BoundaryError::Foot { label, uv: at(v) };
@@ -333,7 +332,7 @@ mod tests {
         let out = panels((0, &face), &part, &assigned, &trim_edge, 5, &options).expect("panels");
         assert_eq!(out.panels.iter().map(|p| p.loops().len()).collect::<Vec<_>>(), vec![2, 1, 1]);
         assert_eq!(out.panels[1].strip.name, "A-02");
-        let mut seams: HashMap<u32, Vec<(bool, Coedge)>> = HashMap::new();
+        let mut seams: HashMap<u32, Vec<(bool, Coedge)>> = HashMap::default();
         for p in &out.panels {
             for l in p.loops() {
                 for (k, run) in l.iter().enumerate() {

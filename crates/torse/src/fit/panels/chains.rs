@@ -5,7 +5,8 @@
 //! panels, both neighbours of a seam see the same vertices and the same parameters.
 //! Method: the shared boundary data of the certificate specification, section 5.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crate::num::hash::HashMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::geom::Vec3;
 use crate::patchwork::partition::Partition;
@@ -151,7 +152,7 @@ pub fn chains(
 
 /// Label of the triangle on the left of every directed edge.
 pub(crate) fn label_map(partition: &Partition) -> HashMap<(u32, u32), u32> {
-    let mut map = HashMap::with_capacity(3 * partition.triangles.len());
+    let mut map = HashMap::with_capacity_and_hasher(3 * partition.triangles.len(), Default::default());
     for (t, &l) in partition.triangles.iter().zip(&partition.labels) {
         for k in 0..3 {
             map.insert((t[k], t[(k + 1) % 3]), l);
@@ -163,7 +164,7 @@ pub(crate) fn label_map(partition: &Partition) -> HashMap<(u32, u32), u32> {
 /// Closed border loops of one label as vertex cycles, the label on their left. Around a vertex that several fans of
 /// the label share, each fan is followed on its own.
 pub fn loops(partition: &Partition, label: u32) -> Vec<Vec<u32>> {
-    let mut opposite: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut opposite: HashMap<(u32, u32), u32> = HashMap::default();
     let mut edges = Vec::new();
     for (t, &l) in partition.triangles.iter().zip(&partition.labels) {
         if l == label {

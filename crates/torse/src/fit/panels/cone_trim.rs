@@ -8,6 +8,7 @@ use super::chains::{chains, loops as cycles, Chain, Right};
 use super::trim::{edge, trim, Waypoint};
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::triangulate::{triangulate, TriangulateError};
 use crate::spline::SplineError;
@@ -15,7 +16,7 @@ use crate::torse::cone::chart::{Blank, ConeChart};
 use crate::torse::cone::distance::forward_of;
 use crate::torse::cone::part::{ConePart, PartCurve, PartEdge, PartFace};
 use crate::torse::cone::spline::ConeSpline;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 /// A corner of the outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +129,7 @@ pub fn cone_part(
         let x = partition.corners(t).iter().map(|c| c[0]).sum::<f64>() / 3.0;
         partition.labels[t] = (x.max(0.0) as u32).min(count as u32 - 1);
     }
-    let mut segment_of: HashMap<u32, usize> = HashMap::new();
+    let mut segment_of: HashMap<u32, usize> = HashMap::default();
     for label in partition.distinct_labels() {
         for piece in partition.split_components(label) {
             segment_of.insert(piece, label as usize);
@@ -138,7 +139,7 @@ pub fn cone_part(
     labels.sort_unstable();
     // 3. Blanks.
     let mut part = ConePart::default();
-    let mut face_of: HashMap<u32, usize> = HashMap::new();
+    let mut face_of: HashMap<u32, usize> = HashMap::default();
     for &(segment, label) in &labels {
         let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
         for v in partition.region_vertices(label) {
@@ -156,7 +157,7 @@ pub fn cone_part(
     let scale = [mean_width(spline, &range, &chart), 1.0];
     let border = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
     let all = chains(&partition, &points, scale, &border, &|_, _, _| 1.0, &BTreeSet::new());
-    let mut vertex_of: HashMap<u32, usize> = HashMap::new();
+    let mut vertex_of: HashMap<u32, usize> = HashMap::default();
     for chain in &all {
         let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]].map(|v| {
             *vertex_of.entry(v).or_insert_with(|| {
@@ -310,7 +311,7 @@ fn free(
 
 /// Loops of a piece, outer first; seen from the side of the normals the chain's coordinates are mirrored.
 fn loops_of(partition: &Partition, label: u32, all: &[Chain]) -> Option<Vec<Vec<(usize, bool)>>> {
-    let mut of_edge: HashMap<(u32, u32), (usize, bool)> = HashMap::new();
+    let mut of_edge: HashMap<(u32, u32), (usize, bool)> = HashMap::default();
     for (k, c) in all.iter().enumerate() {
         let forward = c.left == label;
         if forward || c.right == Right::Label(label) {
@@ -320,7 +321,7 @@ fn loops_of(partition: &Partition, label: u32, all: &[Chain]) -> Option<Vec<Vec<
         }
     }
     let mut out: Vec<(f64, Vec<(usize, bool)>)> = Vec::new();
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::default();
     for cycle in cycles(partition, label) {
         let n = cycle.len();
         if cycle.iter().any(|v| !seen.insert(*v)) {
@@ -353,7 +354,7 @@ fn loops_of(partition: &Partition, label: u32, all: &[Chain]) -> Option<Vec<Vec<
 /// Triangles of a piece.
 fn mesh(partition: &Partition, label: u32, chart: &ConeChart, segment: usize, spline: &ConeSpline) -> Mesh {
     let mut mesh = Mesh::default();
-    let mut index: HashMap<u32, u32> = HashMap::new();
+    let mut index: HashMap<u32, u32> = HashMap::default();
     for v in partition.region_vertices(label) {
         let [f, r] = chart.within(segment, partition.vertices[v as usize]);
         let g = spline.segments[segment].element(f);

@@ -6,8 +6,8 @@
 use super::state::State;
 use crate::brep::project::SurfaceProjector;
 use crate::geom::Vec3;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::edges;
-use std::collections::HashMap;
 
 /// A curve along which a panel is to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,8 +177,8 @@ impl State {
         let height = |p: [f64; 2]| normal.dot(&self.surface.point(p[0], p[1])) - offset;
         // Vertices on the plane count as above it: every triangle is crossed on none or two of its sides.
         let above: Vec<bool> = self.jets.iter().map(|j| normal.dot(&j.jet.p) >= offset).collect();
-        let mut places: HashMap<(u32, u32), [f64; 2]> = HashMap::new();
-        let mut next: HashMap<(u32, u32), Vec<(u32, u32)>> = HashMap::new();
+        let mut places: HashMap<(u32, u32), [f64; 2]> = HashMap::default();
+        let mut next: HashMap<(u32, u32), Vec<(u32, u32)>> = HashMap::default();
         for t in &partition.triangles {
             let crossed: Vec<(u32, u32)> = edges(*t)
                 .into_iter()
@@ -208,7 +208,7 @@ impl State {
         let mut keys: Vec<(u32, u32)> = next.keys().copied().collect();
         // Open chains from their ends first.
         keys.sort_unstable_by_key(|k| (next[k].len(), *k));
-        let mut used: std::collections::HashSet<(u32, u32)> = std::collections::HashSet::new();
+        let mut used: HashSet<(u32, u32)> = HashSet::default();
         let mut out = Vec::new();
         for start in keys {
             if !used.insert(start) {

@@ -12,9 +12,9 @@ use super::propose::{Attempt, AttemptOptions};
 use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
+use crate::num::hash::{HashMap, HashSet};
 use crate::spline::field::Field;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
@@ -392,7 +392,7 @@ impl State {
         }
         let wide: HashSet<u32> = bands.iter().flatten().copied().filter(|l| !narrow.contains(l)).collect();
         // Of each narrow one, edges shared with the best neighbour, and that one.
-        let mut into: HashMap<u32, (usize, u32)> = HashMap::new();
+        let mut into: HashMap<u32, (usize, u32)> = HashMap::default();
         for ((a, b), shared) in self.partition.neighbours() {
             for (from, to) in [(a, b), (b, a)] {
                 if narrow.contains(&from) && wide.contains(&to) {

@@ -12,8 +12,8 @@ use super::curve_on_face::{carried_on, PanelCurve};
 use super::seam_line::SeamLine;
 use super::state::State;
 use crate::geom::Vec3;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::edges;
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Kinds of layouts.
@@ -126,13 +126,13 @@ impl State {
     /// Halves the edges of triangles beside a line as long as its height over them is not linear within `allowed` (mm): a loop within a
     /// triangle, or a bow across one of its sides, has no vertex on its other side.
     fn refine_beside(&mut self, line: &SeamLine, allowed: f64) {
-        let mut height: HashMap<u32, f64> = HashMap::new();
-        let mut linear: HashSet<(u32, u32)> = HashSet::new();
+        let mut height: HashMap<u32, f64> = HashMap::default();
+        let mut linear: HashSet<(u32, u32)> = HashSet::default();
         for _ in 0..HALVINGS {
             for v in 0..self.jets.len() as u32 {
                 height.entry(v).or_insert_with(|| line.height(&self.jets[v as usize].jet.p));
             }
-            let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+            let mut middle: HashMap<(u32, u32), u32> = HashMap::default();
             for (a, b) in self.partition.triangles.iter().flat_map(|t| edges(*t)) {
                 let key = (a.min(b), a.max(b));
                 if linear.contains(&key) || middle.contains_key(&key) {

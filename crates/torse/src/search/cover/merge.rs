@@ -3,7 +3,7 @@
 use super::job::Job;
 use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
-use std::collections::HashSet;
+use crate::num::hash::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Directions and bisection steps of the search for two panels.
@@ -124,9 +124,9 @@ impl Job<'_> {
 
     /// Merges adjacent panels as long as single torses fit their unions.
     pub(super) fn merged(&self, mut state: State) -> State {
-        let mut failed: HashSet<(u32, u32)> = HashSet::new();
+        let mut failed: HashSet<(u32, u32)> = HashSet::default();
         loop {
-            let areas: std::collections::HashMap<u32, f64> = state.panels.keys().map(|&l| (l, state.area(l))).collect();
+            let areas: HashMap<u32, f64> = state.panels.keys().map(|&l| (l, state.area(l))).collect();
             let mut pairs: Vec<((u32, u32), f64)> = state
                 .partition
                 .neighbours()

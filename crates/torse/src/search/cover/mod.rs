@@ -35,6 +35,7 @@ use crate::fit::near::samples::Fit;
 use crate::fit::strip_potential::{
     straight_bands, strip_potential, strip_potentials, StripPotential, StripPotentialOptions,
 };
+use crate::num::hash::HashMap;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
@@ -54,7 +55,6 @@ pub(crate) use recount::Recount;
 pub(in crate::search) use seam_line::SeamLine;
 use state::Density;
 pub use state::{Origin, State};
-use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 use umbilic::Star;

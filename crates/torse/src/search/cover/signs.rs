@@ -6,11 +6,11 @@
 
 use super::job::Job;
 use super::state::State;
+use crate::num::hash::HashMap;
 use crate::num::max_flow::LabelGraph;
 use crate::patchwork::partition::edges;
 use crate::spline::field::Field;
 use nalgebra as na;
-use std::collections::HashMap;
 
 /// Weight of strips lost against strips cut (μ of C2).
 const LOSS: f64 = 8.0;
@@ -31,7 +31,7 @@ impl Job<'_> {
     pub(super) fn cut_by_sign(&self, state: &mut State, label: u32) -> Option<Vec<u32>> {
         let tris = state.partition.region(label);
         let size = state.bbox(label).diagonal();
-        let mut index: HashMap<(u32, u32), usize> = HashMap::new();
+        let mut index: HashMap<(u32, u32), usize> = HashMap::default();
         let mut density = Vec::with_capacity(tris.len());
         let mut unary = Vec::with_capacity(tris.len());
         for &t in &tris {

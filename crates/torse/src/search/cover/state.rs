@@ -5,6 +5,7 @@ use crate::brep::face::Face;
 use crate::fit::near::samples::{Fit, Sample};
 use crate::fit::strip_potential::Forms;
 use crate::geom::{BBox, Vec3};
+use crate::num::hash::HashSet;
 use crate::patchwork::partition::{edges, Partition};
 use crate::patchwork::triangulate::{triangulate, TriangulateError};
 use crate::spline::field::Field;
@@ -283,7 +284,7 @@ fn spread(items: &[u32], count: usize, place: impl Fn(u32) -> Vec3) -> Vec<u32> 
     let bbox = BBox::of(items.iter().map(|&v| place(v)).collect::<Vec<_>>().iter());
     let mut size = bbox.diagonal() / (count as f64).sqrt() * 0.5;
     loop {
-        let mut taken = std::collections::HashSet::new();
+        let mut taken = HashSet::default();
         let picked: Vec<u32> = items
             .iter()
             .copied()

@@ -11,11 +11,12 @@ use super::strip::{Rulings, Strip};
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
+use crate::num::hash::HashSet;
 use crate::patchwork::partition::{centroid, edges};
 use crate::search::cover::State;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Spans of strips to begin with, and at most.
 const SPANS: (usize, usize) = (30, 120);
@@ -307,7 +308,7 @@ fn lines(
         let differ = c.labels[0] != c.labels[1] && c.vertices.first() != c.vertices.last();
         differ && c.length > 0.0 && c.labels.iter().all(|l| index.contains_key(l))
     };
-    let mut stays: HashSet<usize> = HashSet::new();
+    let mut stays: HashSet<usize> = HashSet::default();
     let mut out = Vec::new();
     for c in chains {
         let [first, last] = ends(c)?;

@@ -1,13 +1,13 @@
 //! How sharply strips of different pieces of a face meet where it was cut \[W15, 2\].
 
 use crate::geom::Vec3;
+use crate::num::hash::HashMap;
 use crate::patchwork::panel::{PanelForm, Patchwork};
-use std::collections::HashMap;
 
 /// Greatest angle (rad) between panels of different pieces at the vertices that their borders have in common: 0 where they
 /// are smooth as a set. *Not guaranteed*: what is between vertices.
 pub(super) fn kink_estimate(patchwork: &Patchwork) -> f64 {
-    let mut at: HashMap<[u64; 2], Vec<(usize, Vec3)>> = HashMap::new();
+    let mut at: HashMap<[u64; 2], Vec<(usize, Vec3)>> = HashMap::default();
     for panel in &patchwork.panels {
         let (Some(trim), Some(partition)) = (&panel.trim, patchwork.partition_of(panel)) else { continue };
         let PanelForm::Ruled(_) = trim.form else { continue };

@@ -6,10 +6,10 @@ use crate::brep::face::{Face, TrimLoop};
 use crate::fit::panels::chains;
 use crate::fit::ruled::directions::Curvatures;
 use crate::geom::Vec3;
+use crate::num::hash::HashMap;
 use crate::patchwork::partition::{edges, Partition};
 use crate::search::cover::State;
 use crate::spline::surface::SurfaceJet;
-use std::collections::HashMap;
 
 /// A piece of a face.
 pub(crate) struct Piece {

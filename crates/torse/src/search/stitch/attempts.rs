@@ -13,6 +13,7 @@ use crate::control::Control;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::geom::Vec3;
+use crate::num::hash::HashMap;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
@@ -20,7 +21,7 @@ use crate::search::cover::{CoverOptions, Job, Limits, Recount, SeamLine, State};
 use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
 use crate::torse::form::{PanelKind, Torse};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
 /// Shares of their regularity that strips keep in the program, in turn until all seams are closed. Alone the first closes 7 of 7
@@ -562,7 +563,7 @@ fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
     let chains = borders.seam_chains();
     // By vertex: the point, bit by bit, and the labels.
     type End = ([u64; 3], [u32; 2]);
-    let mut ends: HashMap<u32, Vec<End>> = HashMap::new();
+    let mut ends: HashMap<u32, Vec<End>> = HashMap::default();
     for e in edges {
         let Some(chain) = chains.iter().find(|c| c.chain == e.chain) else { continue };
         let points = [e.edge.control.first(), e.edge.control.last()];

@@ -10,6 +10,7 @@ use crate::brep::face::Face;
 use crate::fit::height::Height;
 use crate::fit::panels::boundary::{Borders, SeamChain};
 use crate::geom::Vec3;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders as borders_of;
 use crate::search::cover::State;
@@ -18,7 +19,7 @@ use crate::spline::curve::Curve;
 use crate::spline::lsq;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Borders move by at most this share of the width of the region that they move into: to where strips of their own intersect;
 /// under edges that are known, as the borders on the other sides go along.

@@ -2,12 +2,13 @@
 
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::{Borders, SeamChain};
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::partition::Partition;
 use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// An edge in space for a chain of the borders.
@@ -97,7 +98,7 @@ pub(crate) fn settle(
 fn held_by_border(face: &Face, partition: &Partition, of: &BTreeSet<u32>) -> HashMap<u32, [bool; 2]> {
     let corners: HashSet<[u64; 2]> = face.loops.iter().flat_map(|l| &l.points).map(|p| p.map(f64::to_bits)).collect();
     let left = partition.adjacency();
-    let mut out = HashMap::new();
+    let mut out = HashMap::default();
     for &(a, b) in left.keys().filter(|(a, b)| !left.contains_key(&(*b, *a))) {
         for (v, beside) in [(a, b), (b, a)].into_iter().filter(|(v, _)| of.contains(v)) {
             let [p, q] = [v, beside].map(|v| partition.vertices[v as usize]);

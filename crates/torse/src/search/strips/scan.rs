@@ -15,11 +15,12 @@ use crate::fit::cloud::CloudError;
 use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
+use crate::num::hash::HashMap;
 use crate::reason::{Reason, StripReason};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 /// What strips under points must be like.
 #[derive(Clone, Debug, PartialEq)]
@@ -320,7 +321,7 @@ fn owned(given: &Given, assigned: &[Option<u32>], count: usize) -> Vec<Vec<Owned
         }
     }
     with_crumbs(given, &mut of_torse);
-    let mut beside: HashMap<u32, Vec<Vec3>> = HashMap::new();
+    let mut beside: HashMap<u32, Vec<Vec3>> = HashMap::default();
     for (p, place) in given.inside.iter().zip(&given.points[given.judged..]) {
         beside.entry(p.facet).or_default().push(*place);
     }
@@ -352,7 +353,7 @@ fn with_crumbs(given: &Given, of_torse: &mut [Vec<u32>]) {
         .collect();
     let (crumbs, parts): (Vec<_>, Vec<_>) =
         all.into_iter().partition(|(_, p)| p.iter().map(area).sum::<f64>() < CRUMB * whole);
-    let mut owner: HashMap<[u32; 2], usize> = HashMap::new();
+    let mut owner: HashMap<[u32; 2], usize> = HashMap::default();
     of_torse.iter_mut().for_each(Vec::clear);
     for (k, part) in parts {
         part.iter().flat_map(|&f| sides(f)).for_each(|s| {

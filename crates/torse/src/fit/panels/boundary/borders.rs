@@ -6,11 +6,12 @@ use super::feet::feet_along;
 use crate::brep::face::Face;
 use crate::fit::panels::chains::{self, Chain, Right};
 use crate::geom::Vec3;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::torse::convert::ConvertError;
 use crate::torse::form::{PanelKind, Torse};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 /// A torse for a label.
 #[derive(Clone, Copy, Debug)]
@@ -179,7 +180,7 @@ impl<'a> Borders<'a> {
         let chains = chains::chains(partition, &points, scale, trim_edge, &gain, cuts);
         let mut seam_count = 0;
         let mut seams = Vec::new();
-        let mut bend = HashMap::new();
+        let mut bend = HashMap::default();
         for c in &chains {
             seams.push(first_seam + seam_count as u32);
             if matches!(c.right, Right::Label(_)) {
@@ -196,7 +197,7 @@ impl<'a> Borders<'a> {
                 bend.insert(w[1], off.norm());
             }
         }
-        Self { face, partition, points, chains, seams, bend, shared: HashMap::new(), creases, seam_count }
+        Self { face, partition, points, chains, seams, bend, shared: HashMap::default(), creases, seam_count }
     }
 
     /// Direction in which panels end on the face's normals at parameters of the face: the sum of its unit normals on all
@@ -262,7 +263,7 @@ impl<'a> Borders<'a> {
 
     /// Loops of a label as stretches of chains, outer loop first.
     pub(super) fn loops(&self, label: u32) -> Result<Vec<Vec<Stretch>>, BoundaryError> {
-        let mut of_edge: HashMap<(u32, u32), Stretch> = HashMap::new();
+        let mut of_edge: HashMap<(u32, u32), Stretch> = HashMap::default();
         for (k, c) in self.chains.iter().enumerate() {
             let forward = c.left == label;
             if !forward && c.right != Right::Label(label) {
@@ -273,7 +274,7 @@ impl<'a> Borders<'a> {
                 of_edge.insert(e, Stretch { chain: k, forward });
             }
         }
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::default();
         let (mut outer, mut holes) = (Vec::new(), Vec::new());
         for cycle in chains::loops(self.partition, label) {
             for &v in &cycle {
@@ -331,7 +332,7 @@ impl<'a> Borders<'a> {
         loops: &[Vec<Stretch>],
     ) -> Result<HashMap<u32, Foot>, BoundaryError> {
         // Vertices of borders without length that follow each other (a pole) are one point.
-        let mut same: HashMap<u32, u32> = HashMap::new();
+        let mut same: HashMap<u32, u32> = HashMap::default();
         let points: Vec<&Chain> =
             loops.iter().flatten().map(|s| &self.chains[s.chain]).filter(|c| c.length <= 0.0).collect();
         for _ in 0..points.len() {
@@ -345,7 +346,7 @@ impl<'a> Borders<'a> {
                 break;
             }
         }
-        let mut out: HashMap<u32, Foot> = HashMap::new();
+        let mut out: HashMap<u32, Foot> = HashMap::default();
         for l in loops {
             let cycle: Vec<u32> = l
                 .iter()

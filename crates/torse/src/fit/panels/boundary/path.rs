@@ -5,11 +5,11 @@ use super::borders::{Borders, BoundaryOptions};
 use crate::fit::panels::line_intersection::on_normal;
 use crate::fit::panels::trim::Waypoint;
 use crate::geom::Vec3;
+use crate::num::hash::HashMap;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use crate::torse::convert;
 use crate::torse::form::Torse;
-use std::collections::HashMap;
 
 /// Kinks that the polyline keeps are smoothed over by at most this multiple of the trim tolerance: what the curve
 /// strays there counts against the panel.

@@ -5,13 +5,13 @@ use super::borders::{Borders, BoundaryError, BoundaryOptions, Stretch};
 use crate::fit::panels::chains::{Chain, Right};
 use crate::fit::panels::trim::{self, Waypoint};
 use crate::fit::ruled::strip_map::RuledStrip;
+use crate::num::hash::HashMap;
 use crate::patchwork::foot_map::FootMap;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim};
 use crate::spline::curve::Curve;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// A ruled strip for a label.
 #[derive(Clone, Copy, Debug)]
@@ -165,7 +165,7 @@ impl Borders<'_> {
         loops: &[Vec<Stretch>],
         shared: &HashMap<usize, SharedLine>,
     ) -> Result<HashMap<u32, [f64; 2]>, BoundaryError> {
-        let mut places = HashMap::new();
+        let mut places = HashMap::default();
         for stretch in loops.iter().flatten() {
             let Some(line) = shared.get(&stretch.chain) else { continue };
             let side = line.sides[usize::from(!stretch.forward)];
