@@ -27,8 +27,10 @@ use torse::torse::form::Torse;
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
 
-/// Tolerance for the piece of a torus (850 mm wide): a few panels.
-const TOLERANCE: f64 = 10.0;
+/// Tolerance for the piece of a torus (850 mm wide): two panels, which meet easily.
+const TOLERANCE: f64 = 20.0;
+/// One that two panels hardly keep.
+const TIGHT: f64 = 10.0;
 
 fn options(tolerance: f64) -> Options {
     Options { smooth_angle: 0.0, ..Options::new(tolerance) }
@@ -390,7 +392,7 @@ fn strips_follow_a_direction_and_a_guide() {
     let guides = [(Guide::Direction(Vec3::z()), true), (Guide::Curve(circle), false)];
     for (guide, meridians) in guides {
         let layout = Layout { guide: Some(guide), ..Layout::default() };
-        let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an answer");
+        let o = run(TORUS, &Options { layout, ..options(TIGHT) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
         let seams = o.patchwork().seams();
         assert!(!seams.is_empty());
@@ -419,7 +421,7 @@ fn seams_along_curves_are_kept() {
     for (meet, shape) in [(true, CurveShape::AlongV(0.4)), (false, CurveShape::Points(part))] {
         let seam_curves = vec![PanelCurve { name: "the seam".into(), shape }];
         let layout = Layout { seam_curves, ..Layout::default() };
-        let o = run(TORUS, &Options { layout, meet, ..options(2.0 * TOLERANCE) }).expect("an answer");
+        let o = run(TORUS, &Options { layout, meet, ..options(TOLERANCE) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
         assert!(o.patchwork().panels.len() >= 2);
         for panel in &o.patchwork().panels {
@@ -430,7 +432,7 @@ fn seams_along_curves_are_kept() {
                 (nearest(&face.surface, &x, [40, 40]).0[0] - u) * speed
             });
             let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
-            assert!(lo > -TOLERANCE || hi < TOLERANCE, "{} (seams meet: {meet}): {lo} to {hi}", panel.strip.name);
+            assert!(lo > -TIGHT || hi < TIGHT, "{} (seams meet: {meet}): {lo} to {hi}", panel.strip.name);
         }
     }
     // A loop within a face whose mesh has no vertex inside it.
@@ -454,7 +456,7 @@ fn seams_along_curves_are_kept() {
 fn seams_that_are_asked_for_are_kept() {
     let plane = SeamPlane { normal: Vec3::x(), offset: 500.0 };
     let layout = Layout { seams: vec![plane], ..Layout::default() };
-    for (meet, tolerance) in [(false, TOLERANCE), (true, 4.0 * TOLERANCE)] {
+    for (meet, tolerance) in [(false, TIGHT), (true, TOLERANCE)] {
         let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
         for panel in &o.patchwork().panels {
@@ -477,7 +479,7 @@ fn seams_that_are_asked_for_are_kept() {
 #[test]
 fn rings_run_around_the_middle() {
     let layout = Layout { kind: LayoutKind::Rings, ..Layout::default() };
-    let o = run(TORUS, &Options { layout, ..apart(TOLERANCE) }).expect("an answer");
+    let o = run(TORUS, &Options { layout, ..apart(TIGHT) }).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     // The middle of the piece, on its outer equator.
     let middle = Vec3::new(850.0 * 0.5f64.sqrt(), 850.0 * 0.5f64.sqrt(), 0.0);
@@ -498,13 +500,13 @@ fn panels_along(shape: CurveShape, tolerance: f64) -> Result<Answer, Approximate
 
 #[test]
 fn panels_along_a_curve_go_on_until_the_face_is_covered() {
-    let o = panels_along(CurveShape::AlongU(0.5), TOLERANCE).expect("an answer");
+    let o = panels_along(CurveShape::AlongU(0.5), TIGHT).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     // Envelopes of tangent planes need about √2 times as many panels as best fits, which are two here.
     assert!(o.patchwork().panels.len() <= 3, "{}", o.patchwork().panels.len());
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
     let widest = o.along.iter().map(|a| a.paper_estimate).fold(0.0, f64::max);
-    assert!(widest > 0.5 * TOLERANCE && widest <= TOLERANCE, "{widest}");
+    assert!(widest > 0.5 * TIGHT && widest <= TIGHT, "{widest}");
 }
 
 /// Strips in the direction of a curve, where those along it and on from there would be clearly more: it names the one that
@@ -520,7 +522,7 @@ fn strips_in_the_direction_of_a_curve_are_the_other_answer() {
 
 #[test]
 fn a_section_gives_a_panel_or_a_direction() {
-    let o = panels_along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an answer");
+    let o = panels_along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TIGHT).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
 }
@@ -627,7 +629,7 @@ fn bands_run_over_waves_as_far_as_the_face_goes() {
 
 #[test]
 fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the_same() {
-    let mut o = apart(TOLERANCE);
+    let mut o = apart(TIGHT);
     o.limits.min_bend_radius = Some(20_000.0);
     let out = run(TORUS, &o).expect("an answer");
     assert_eq!(out.status(), Status::Uncertified);
@@ -635,7 +637,7 @@ fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the
     assert!(why.contains("attempts whose panels bend with a radius of 20000 mm"), "{why}");
     // Deviation and cover are proven; only the bends are sharper than asked for.
     let certificate = out.certificate().expect("a certificate");
-    assert!(certificate.covered && certificate.deviation_bound <= TOLERANCE, "{}", certificate.deviation_bound);
+    assert!(certificate.covered && certificate.deviation_bound <= TIGHT, "{}", certificate.deviation_bound);
     assert!(!out.beyond_limits.is_empty());
 }
 

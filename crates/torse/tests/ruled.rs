@@ -126,7 +126,7 @@ fn what_is_too_far_is_told_with_its_bound() {
 
 #[test]
 fn a_planar_point_is_cut_and_a_flat_face_is_one_strip() {
-    let monkey = made(graph(|x, y| (x * x * x - 3.0 * x * y * y) / 7e6), &RuledOptions::new(10.0)).expect("an answer");
+    let monkey = made(graph(|x, y| (x * x * x - 3.0 * x * y * y) / 7e6), &RuledOptions::new(30.0)).expect("an answer");
     assert_eq!(monkey.answer.status(), Status::Certified, "{:?}", monkey.answer.claims());
     // Joins of its pieces are not smoothed, but counted.
     let kink = monkey.answer.claim(What::Kink).expect("a claim").value();
@@ -149,7 +149,7 @@ fn a_planar_point_is_cut_and_a_flat_face_is_one_strip() {
     let inner = borders.iter().enumerate().flat_map(|(k, b)| b.iter().filter(inside).map(move |p| (k, p)));
     let measured = inner.map(gap).fold(0.0, f64::max);
     let told = monkey.answer.claim(What::SeamGap).expect("a claim").value();
-    assert!(measured > 0.1 && told >= measured && told <= 20.0, "{measured} {told}");
+    assert!(measured > 0.3 && told >= measured && told <= 60.0, "{measured} {told}");
     let flat = made(graph(|x, y| 0.1 * x - 0.2 * y), &RuledOptions::new(1.0)).expect("an answer");
     assert_eq!((flat.answer.status(), flat.answer.patchwork().panels.len()), (Status::Certified, 1));
 }

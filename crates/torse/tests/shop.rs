@@ -13,6 +13,7 @@ use torse::{approximate, files, read_step, Answer, Approximate};
 const PIPE: &[u8] = include_bytes!("../../../data/cylinder_holes.step");
 const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
 const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
+const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 
 fn answer(bytes: &[u8], tolerance: f64, limits: Limits) -> Answer {
     let model = read_step(bytes).expect("our own model");
@@ -43,15 +44,22 @@ fn a_developable_face_is_cut_into_few_fields_that_fit() {
 /// Strips that are too long are cut where all of them are, or the face is covered in sections.
 #[test]
 fn panels_that_are_too_long_are_cut_in_line_or_covered_in_sections() {
-    let limits = Limits { max_length: Some(1300.0), ..Limits::default() };
-    let model = read_step(BOWL).expect("our own model");
-    let asked = Approximate { limits, meet: false, ..Approximate::new(10.0) };
-    let (free, kept) = (bowl(), approximate(&model, &asked).expect("an answer"));
-    let long = free.patterns().iter().map(|p| (p.length / 1300.0).ceil() as usize).sum::<usize>();
-    assert!(long > free.patterns().len());
-    assert_eq!(kept.status(), Status::Certified);
-    assert!(kept.patterns().iter().all(|p| p.length <= 1300.0));
-    assert!(kept.patterns().len() <= long + 1, "{} instead of {long}", kept.patterns().len());
+    let model = read_step(TORUS).expect("our own model");
+    let covered = |max_length: Option<f64>| {
+        let limits = Limits { max_length, ..Limits::default() };
+        approximate(&model, &Approximate { limits, meet: false, ..Approximate::new(20.0) }).expect("an answer")
+    };
+    let free = covered(None);
+    // Halves of two strips; then three parts of each would be more than there are sections.
+    for (most, is_in_line) in [(700.0, true), (600.0, false)] {
+        let kept = covered(Some(most));
+        let long = free.patterns().iter().map(|p| (p.length / most).ceil() as usize).sum::<usize>();
+        assert!(long > free.patterns().len());
+        assert_eq!(kept.status(), Status::Certified);
+        assert!(kept.patterns().iter().all(|p| p.length <= most));
+        assert!(kept.patterns().len() <= long + 1, "{} instead of {long}", kept.patterns().len());
+        assert_eq!(kept.patterns().len() == long, is_in_line);
+    }
 }
 
 #[test]

@@ -140,11 +140,18 @@ fn places(breaks: &[f64], n: usize) -> Vec<f64> {
     out
 }
 
+/// Places of a table from which feet are looked for.
+const STARTS: usize = 3;
+
 /// Distance of a point from an untrimmed surface: steps of Newton's method from the nearest of a table. A distance above
 /// the one given is looked at once more, by steps downhill: on spikes Newton's method leaps over the foot.
 fn to_surface(s: &Surface, table: &[(f64, f64, Vec3)], x: &Vec3, most: f64) -> f64 {
-    let mut starts: Vec<&(f64, f64, Vec3)> = table.iter().collect();
-    starts.sort_by(|a, b| (a.2 - x).norm_squared().total_cmp(&(b.2 - x).norm_squared()));
+    let mut starts: Vec<(f64, usize)> = table.iter().map(|at| (at.2 - x).norm_squared()).zip(0..).collect();
+    if starts.len() > STARTS {
+        starts.select_nth_unstable_by(STARTS, |a, b| a.0.total_cmp(&b.0));
+    }
+    starts.truncate(STARTS);
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let ((u0, u1), (v0, v1)) = s.domain();
     let mut best = (f64::INFINITY, u0, v0);
     let closer = |best: &mut (f64, f64, f64), u: f64, v: f64| {
@@ -153,8 +160,8 @@ fn to_surface(s: &Surface, table: &[(f64, f64, Vec3)], x: &Vec3, most: f64) -> f
             *best = (d, u, v);
         }
     };
-    for start in starts.iter().take(3) {
-        let (mut u, mut v) = (start.0, start.1);
+    for (_, start) in starts {
+        let (mut u, mut v, _) = table[start];
         for _ in 0..12 {
             let j = s.jet(u, v);
             closer(&mut best, u, v);

@@ -119,18 +119,22 @@ fn least(t: &Target, value: impl Fn(f64) -> f64) -> f64 {
     let i = (0..at.len()).min_by(|&i, &j| at[i].0.total_cmp(&at[j].0)).unwrap_or(0);
     let (mut a, mut b) = (at[i.saturating_sub(1)].1, at[(i + 1).min(at.len() - 1)].1);
     let (mut best, mut u) = at[i];
-    for _ in 0..SECTIONS {
-        let (p, q) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-        let (vp, vq) = (value(p), value(q));
-        for (v, x) in [(vp, p), (vq, q)] {
-            if v < best {
-                (best, u) = (v, x);
-            }
+    let mut tried = |x: f64| {
+        let v = value(x);
+        if v < best {
+            (best, u) = (v, x);
         }
-        if vp < vq {
-            b = q;
+        (v, x)
+    };
+    let (mut p, mut q) = (tried(b - GOLDEN * (b - a)), tried(a + GOLDEN * (b - a)));
+    for _ in 0..SECTIONS {
+        // One of both divides what is left in the same ratio.
+        if p.0 < q.0 {
+            (b, q) = (q.1, p);
+            p = tried(b - GOLDEN * (b - a));
         } else {
-            a = p;
+            (a, p) = (p.1, q);
+            q = tried(a + GOLDEN * (b - a));
         }
     }
     u

@@ -256,31 +256,31 @@ impl Piece {
     }
 
     fn range(&self, w: [f64; 2]) -> (f64, f64) {
-        let v = self.c.map(|p| p[0] * w[0] + p[1] * w[1]);
-        (v.iter().copied().fold(f64::INFINITY, f64::min), v.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for p in &self.c {
+            let v = p[0] * w[0] + p[1] * w[1];
+            low = low.min(v);
+            high = high.max(v);
+        }
+        (low, high)
     }
 
-    /// Whether some line separates the control polygons.
+    /// Whether some line separates the control polygons of pieces whose boxes overlap.
     fn apart(&self, o: &Self) -> bool {
-        let (p, q) = (unit(self.chord()), unit(o.chord()));
-        let between = |a: [f64; 2], b: [f64; 2]| unit([a[0] - b[0], a[1] - b[1]]);
-        let middles = between(self.c[3], o.c[0]);
-        let directions = [
-            [1.0, 0.0],
-            [0.0, 1.0],
-            p,
-            q,
-            [-p[1], p[0]],
-            [-q[1], q[0]],
-            unit([p[0] + q[0], p[1] + q[1]]),
-            unit([p[0] - q[0], p[1] - q[1]]),
-            middles,
-            between(self.c[0], o.c[3]),
-        ];
-        directions.iter().any(|&w| {
+        let is_clear = |w: [f64; 2]| {
             let ((a, b), (c, d)) = (self.range(w), o.range(w));
             b + MARGIN < c || d + MARGIN < a
-        })
+        };
+        let (p, q) = (unit(self.chord()), unit(o.chord()));
+        let between = |a: [f64; 2], b: [f64; 2]| is_clear(unit([a[0] - b[0], a[1] - b[1]]));
+        is_clear([-p[1], p[0]])
+            || is_clear([-q[1], q[0]])
+            || is_clear(p)
+            || is_clear(q)
+            || is_clear(unit([p[0] + q[0], p[1] + q[1]]))
+            || is_clear(unit([p[0] - q[0], p[1] - q[1]]))
+            || between(self.c[3], o.c[0])
+            || between(self.c[0], o.c[3])
     }
 }
 

@@ -210,22 +210,18 @@ impl<'a, const N: usize> Tensor<'a, N> {
         let (p, q) = (self.u.knots.degree(), self.v.knots.degree());
         let row = self.v.knots.control_count();
         let mut data = vec![[Interval::ZERO; N]; (p + 1) * (q + 1)];
-        let (mut line, mut half) = (vec![Interval::ZERO; p + 1], vec![Interval::ZERO; (p + 1) * (q + 1)]);
-        for d in 0..N {
-            for j in 0..=q {
-                for (i, x) in line.iter_mut().enumerate() {
-                    *x = self.control[(a.first + i) * row + b.first + j][d];
-                }
-                for (i, x) in a.shares.coefficients(&line).into_iter().enumerate() {
-                    half[i * (q + 1) + j] = x;
-                }
+        let mut line = vec![[Interval::ZERO; N]; p + 1];
+        for j in 0..=q {
+            for (i, x) in line.iter_mut().enumerate() {
+                *x = self.control[(a.first + i) * row + b.first + j];
             }
-            for i in 0..=p {
-                let along = b.shares.coefficients(&half[i * (q + 1)..(i + 1) * (q + 1)]);
-                for (j, x) in along.into_iter().enumerate() {
-                    data[i * (q + 1) + j][d] = x;
-                }
+            for (i, x) in a.shares.of_points(&line).into_iter().enumerate() {
+                data[i * (q + 1) + j] = x;
             }
+        }
+        for along in data.chunks_exact_mut(q + 1) {
+            let found = b.shares.of_points(along);
+            along.copy_from_slice(&found);
         }
         Net { p, q, data }
     }
@@ -276,9 +272,12 @@ impl<const N: usize> Net<N> {
         self.data.iter().skip(1).fold(self.data[0], |h, c| std::array::from_fn(|d| h[d].hull(c[d])))
     }
 
-    fn value(&self, [x, y]: [Interval; 2]) -> [Interval; N] {
-        let lines: Vec<[Interval; N]> = self.data.chunks_exact(self.q + 1).map(|l| casteljau(l, y)).collect();
-        casteljau(&lines, x)
+    fn value(mut self, [x, y]: [Interval; 2]) -> [Interval; N] {
+        let row = self.q + 1;
+        for i in 0..=self.p {
+            self.data[i] = casteljau(&mut self.data[i * row..(i + 1) * row], y);
+        }
+        casteljau(&mut self.data[..=self.p], x)
     }
 
     fn over(&self, parts: [&Part; 2]) -> Jet2<N> {
@@ -290,13 +289,15 @@ impl<const N: usize> Net<N> {
     }
 }
 
-/// De Casteljau's scheme.
-fn casteljau<const N: usize>(b: &[[Interval; N]], x: Interval) -> [Interval; N] {
+/// De Casteljau's scheme; nothing is left of the coefficients.
+fn casteljau<const N: usize>(b: &mut [[Interval; N]], x: Interval) -> [Interval; N] {
     let y = Interval::ONE - x;
-    let mut b = b.to_vec();
     for r in 1..b.len() {
         for i in 0..b.len() - r {
-            b[i] = std::array::from_fn(|d| y * b[i][d] + x * b[i + 1][d]);
+            let next = b[i + 1];
+            for (c, n) in b[i].iter_mut().zip(next) {
+                *c = y * *c + x * n;
+            }
         }
     }
     b[0]

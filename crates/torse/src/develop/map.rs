@@ -15,6 +15,8 @@ use super::DevelopError;
 const N: usize = 16;
 /// Tail of a series, relative to the size of the patch, below which a piece is accepted.
 const TAIL: f64 = 1e-13;
+/// The same, relative to the coordinates of the patch: what rounding leaves of them wherever it lies.
+const ROUNDING: f64 = 4e-15;
 /// Halvings of a knot span at most; 2⁻¹² of a span is far below what a cubic torse can need.
 const DEEPEST: usize = 12;
 /// Where the middle of a ruling moves across it by less than this share of all its motion, the patch folds there: the
@@ -73,7 +75,9 @@ impl Development {
     /// See [`Development::new`].
     pub fn offset(patch: &Surface, upwards: f64, offset: f64) -> Result<Self, DevelopError> {
         let mut out = Self { patch: patch.clone(), pieces: Vec::new(), side: upwards.signum() };
-        let size = patch.bbox().diagonal();
+        let bbox = patch.bbox();
+        let size = bbox.diagonal();
+        let enough = (TAIL * size).max(ROUNDING * bbox.min.amax().max(bbox.max.amax()));
         let nodes: [f64; N] = std::array::from_fn(|k| (std::f64::consts::PI * (k as f64 + 0.5) / N as f64).cos());
         let (mut angle, mut place) = (0.0, Vec2::zeros());
         let mut stack: Vec<(f64, f64, usize)> =
@@ -101,7 +105,7 @@ impl Development {
             let (vx, vy) = (series(&vx), series(&vy));
             let tail = |c: &[f64; N]| c[N - 1].abs().max(c[N - 2].abs());
             let error = (tail(&turning) * size).max(tail(&vx)).max(tail(&vy));
-            if error > TAIL * size && depth < DEEPEST {
+            if error > enough && depth < DEEPEST {
                 stack.push((m, b, depth + 1));
                 stack.push((a, m, depth + 1));
                 continue;

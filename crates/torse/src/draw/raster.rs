@@ -263,12 +263,13 @@ impl Band {
                 continue;
             }
             let in_row = sides.map(|(p, d)| d.x * (y - p.y) + d.y * p.x);
+            let slopes = sides.map(|(_, d)| d.y);
             // Samples of a pixel beside each other share their shade: it costs more than all the rest.
             let mut shaded: Option<(usize, [f32; 3])> = None;
             for column in columns {
                 let x = column as f64 + 0.5;
-                let weight = [0, 1, 2].map(|k| in_row[k] - sides[k].1.y * x);
-                if weight.iter().any(|&w| w < 0.0) {
+                let weight = [in_row[0] - slopes[0] * x, in_row[1] - slopes[1] * x, in_row[2] - slopes[2] * x];
+                if weight[0] < 0.0 || weight[1] < 0.0 || weight[2] < 0.0 {
                     continue;
                 }
                 let depth = weight[0] * deep[0] + weight[1] * deep[1] + weight[2] * deep[2];
@@ -281,11 +282,13 @@ impl Band {
                     continue;
                 }
                 // Depth is the inverse distance, so weights over distance make attributes right in perspective.
-                let weight = [0, 1, 2].map(|k| weight[k] * deep[k] / depth);
-                let normal = (0..3).map(|k| corners[k].normal * weight[k]).sum::<Vec3>();
+                let [u, v, w] = [weight[0] * deep[0] / depth, weight[1] * deep[1] / depth, weight[2] * deep[2] / depth];
+                let normal = corners[0].normal * u + corners[1].normal * v + corners[2].normal * w;
                 let base = match paint {
                     Paint::Solid(rgb) => rgb,
-                    Paint::Deviation => colour::deviation((0..3).map(|k| weight[k] * corners[k].value).sum()),
+                    Paint::Deviation => {
+                        colour::deviation(u * corners[0].value + v * corners[1].value + w * corners[2].value)
+                    }
                 };
                 self.depth[index] = depth as f32;
                 let shade = shade(base, &normal, matches!(paint, Paint::Deviation)).map(|c| c as f32);
@@ -356,13 +359,17 @@ impl Band {
     }
 
     fn blend(&mut self, index: usize, colour: Rgb, alpha: f64) {
-        let under = self.colour[index];
-        self.colour[index] = [0, 1, 2].map(|k| under[k] + (colour[k] as f32 - under[k]) * alpha as f32);
+        let alpha = alpha as f32;
+        for (under, over) in self.colour[index].iter_mut().zip(colour) {
+            *under += (over as f32 - *under) * alpha;
+        }
     }
 
     fn pixels(&self) -> Vec<[u8; 3]> {
         let (width, height) = (self.columns / SAMPLES, self.rows / SAMPLES);
         let mut out = Vec::with_capacity(width * height);
+        // Most pixels are like the one before: paper, or one colour.
+        let mut last = ([f32::NAN; 3], [0; 3]);
         for y in 0..height {
             for x in 0..width {
                 let mut sum = [0.0f32; 3];
@@ -373,7 +380,10 @@ impl Band {
                         }
                     }
                 }
-                out.push(colour::bytes(sum.map(|c| f64::from(c) / (SAMPLES * SAMPLES) as f64)));
+                if sum != last.0 {
+                    last = (sum, colour::bytes(sum.map(|c| f64::from(c) / (SAMPLES * SAMPLES) as f64)));
+                }
+                out.push(last.1);
             }
         }
         out

@@ -103,13 +103,22 @@ impl<S: Scalar> SplinePiece<S> {
 
     /// Bernstein coefficients of a net of p + 1 numbers.
     pub fn coefficients(&self, net: &[S]) -> Vec<S> {
+        let net: Vec<[S; 1]> = net.iter().map(|x| [*x]).collect();
+        self.of_points(&net).into_iter().map(|[x]| x).collect()
+    }
+
+    /// The same of a net of p + 1 points.
+    pub fn of_points<const N: usize>(&self, net: &[[S; N]]) -> Vec<[S; N]> {
         let p = self.degree;
         // Steps 1 to r − 1 use so many shares.
         let before = |r: usize| (r - 1) * p - (r - 1) * r.saturating_sub(2) / 2;
-        let step = |d: &mut [S], r: usize, argument: usize| {
+        let step = |d: &mut [[S; N]], r: usize, argument: usize| {
             let shares = &self.shares[argument][before(r)..];
             for (j, [left, right]) in (r..=p).rev().zip(shares) {
-                d[j] = *left * d[j - 1] + *right * d[j];
+                let from = d[j - 1];
+                for (x, y) in d[j].iter_mut().zip(from) {
+                    *x = *left * y + *right * *x;
+                }
             }
         };
         let mut level = net.to_vec();

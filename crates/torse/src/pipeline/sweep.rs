@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn finer_tolerances_take_more_panels_and_never_fewer_than_theory() {
-        let options = Options { input: "bowl".into(), smooth_angle: 0.0, ..Options::new(1.0) };
+        let options = Options { input: "bowl".into(), smooth_angle: 0.0, meet: false, ..Options::new(1.0) };
         let rows = sweep(&[bowl()], &[], &[0.4, 1.6], &options, &Control::default()).expect("rows");
         assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);
         assert!(rows.iter().all(|r| r.certified));

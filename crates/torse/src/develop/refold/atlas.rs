@@ -52,8 +52,8 @@ pub struct PlacedPanel {
     seeds: Vec<([f64; 2], Vec2)>,
     /// Sides of the loops in pieces that are nearly straight in space.
     border: Vec<BorderPiece>,
-    /// Share of the patch by which a place may lie beyond its edges and still be on it.
-    edge: f64,
+    /// By how much a place may lie beyond the patch and still be on it: ahead of and behind it in both parameters.
+    slack: [[f64; 2]; 2],
 }
 
 /// A piece of a panel's border: parameters and places of its ends.
@@ -165,7 +165,7 @@ const STEPS: usize = 30;
 /// Share of the distance that is left after a step with which derivatives do for the next one, too.
 const AS_STEEP: f64 = 0.1;
 /// Share of a patch by which a place may lie beyond an edge and still be on it: drawn outlines are a little off. Where an edge
-/// is shorter than the next share of the other, as beside an apex, nothing may.
+/// is shorter than the next share of the other, as beside an apex, nothing may but beyond that other one.
 const EDGE: f64 = 1e-3;
 /// See [`EDGE`].
 const TIP: f64 = 0.1;
@@ -200,21 +200,26 @@ const ONE_WAY: f64 = 0.999_85;
 /// Candidates whose outlines fit so much worse than the best are no candidates.
 const AS_GOOD: f64 = 3.0;
 
-/// Whether an edge of a patch over all rulings is nearly a point.
-fn has_tip(surface: &Surface) -> bool {
+/// By how much places may lie beyond a patch, see [`EDGE`].
+fn slack(surface: &Surface) -> [[f64; 2]; 2] {
     let ((u0, u1), (v0, v1)) = surface.domain();
     let length = |v: f64| -> f64 {
         let at = |k: usize| surface.point(u0 + (u1 - u0) * k as f64 / SEEDS.0 as f64, v);
         (0..SEEDS.0).map(|k| (at(k + 1) - at(k)).norm()).sum()
     };
     let (a, b) = (length(v0), length(v1));
-    a.min(b) < TIP * a.max(b)
+    let (du, dv) = (EDGE * (u1 - u0), EDGE * (v1 - v0));
+    if a.min(b) >= TIP * a.max(b) {
+        [[du; 2], [dv; 2]]
+    } else {
+        [[0.0; 2], if a < b { [0.0, dv] } else { [dv, 0.0] }]
+    }
 }
 
 impl PlacedPanel {
     fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
-        let edge = if has_tip(&panel.surface) { 0.0 } else { EDGE };
-        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new(), edge };
+        let slack = slack(&panel.surface);
+        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new(), slack };
         out.flat = out.images();
         out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -279,8 +284,8 @@ impl PlacedPanel {
     fn inverse(&self, q: &Vec2, size: f64) -> ([f64; 2], f64) {
         let far = |s: &([f64; 2], Vec2)| (s.1 - q).norm_squared();
         let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
-        let [du, dv] = [(u1 - u0) * self.edge, (v1 - v0) * self.edge];
-        let on_patch = |uv: [f64; 2]| uv[0] >= u0 - du && uv[0] <= u1 + du && uv[1] >= v0 - dv && uv[1] <= v1 + dv;
+        let [[a, b], [c, d]] = self.slack;
+        let on_patch = |uv: [f64; 2]| uv[0] >= u0 - a && uv[0] <= u1 + b && uv[1] >= v0 - c && uv[1] <= v1 + d;
         let found = |(uv, off): ([f64; 2], f64)| on_patch(uv) && off <= FOUND * size;
         let Some(&(near, _)) = self.seeds.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else {
             return ([0.0; 2], f64::INFINITY);

@@ -28,7 +28,7 @@ pub struct Comparison {
 
 /// Samples inside a part, about.
 const SAMPLES: usize = 2000;
-/// Steps towards the nearest point of the refolded surface: each squares what is left of the first, which is small.
+/// Steps at most towards the nearest point of the refolded surface: each squares what is left of the first, which is small.
 const STEPS: usize = 5;
 
 /// Points inside a part on a grid, and the joints of its outlines.
@@ -54,31 +54,58 @@ pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
     out
 }
 
-/// Compares a refolded part with its panels. `None` where no sample is on both.
-pub(crate) fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
+/// A place of the drawing, where it is on the refolded part, and where it belongs on a panel.
+type Pair = (Vec2, Vec3, OnPanel, Vec3);
+
+/// A refolded part laid onto its panels.
+pub(crate) struct Matched {
+    pairs: Vec<Pair>,
+    motion: Placement,
+    /// Root mean square of the distances of samples from the places where they belong, mm.
+    pub mean_estimate: f64,
+}
+
+/// Lays a refolded part onto its panels. `None` where no sample is on both.
+pub(crate) fn matched(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Matched> {
     let pair = |q: Vec2| {
         let (place, on) = (refolded.locate(&q)?, atlas.from_flat(&q)?);
         Some((q, refolded.frame(&place).0, on, atlas.space(&on)))
     };
-    let pairs: Vec<(Vec2, Vec3, OnPanel, Vec3)> =
-        samples(part).into_par_iter().filter(|q| refolded.is_of_one(q)).filter_map(pair).collect();
+    let pairs: Vec<Pair> = samples(part).into_par_iter().filter(|q| refolded.is_of_one(q)).filter_map(pair).collect();
     let motion = best_motion(&pairs.iter().map(|p| (p.1, p.3)).collect::<Vec<_>>())?;
-    let off = |p: &(Vec2, Vec3, OnPanel, Vec3)| (motion.point(&p.1) - p.3).norm();
-    let worst = pairs.iter().max_by(|a, b| off(a).total_cmp(&off(b)))?;
-    let mean = (pairs.iter().map(|p| off(p).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt();
-    let back = motion.inverse()?;
-    let nearest = pairs.par_iter().map(|(q, x, on, y)| {
-        let there = refine(&atlas.panels[on.panel].panel.surface, &motion.point(x), on.uv).distance;
-        there.max(to_refolded(refolded, q, &back.point(y)))
-    });
-    Some(Comparison {
-        motion,
-        matched_estimate: off(worst),
-        matched_mean_estimate: mean,
-        distance_estimate: nearest.reduce(|| 0.0, f64::max),
-        worst: worst.0,
-        samples: pairs.len(),
-    })
+    let mut out = Matched { pairs, motion, mean_estimate: 0.0 };
+    out.mean_estimate = (out.pairs.iter().map(|p| out.off(p).powi(2)).sum::<f64>() / out.pairs.len() as f64).sqrt();
+    Some(out)
+}
+
+impl Matched {
+    fn off(&self, p: &Pair) -> f64 {
+        (self.motion.point(&p.1) - p.3).norm()
+    }
+
+    /// How far it is from these panels.
+    pub fn compared(&self, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
+        let Self { pairs, motion, mean_estimate } = self;
+        let worst = pairs.iter().max_by(|a, b| self.off(a).total_cmp(&self.off(b)))?;
+        let back = motion.inverse()?;
+        let nearest = pairs.par_iter().map(|(q, x, on, y)| {
+            let there = refine(&atlas.panels[on.panel].panel.surface, &motion.point(x), on.uv).distance;
+            there.max(to_refolded(refolded, q, &back.point(y)))
+        });
+        Some(Comparison {
+            motion: *motion,
+            matched_estimate: self.off(worst),
+            matched_mean_estimate: *mean_estimate,
+            distance_estimate: nearest.reduce(|| 0.0, f64::max),
+            worst: worst.0,
+            samples: pairs.len(),
+        })
+    }
+}
+
+/// Compares a refolded part with its panels. `None` where no sample is on both.
+pub(crate) fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
+    matched(part, refolded, atlas)?.compared(refolded, atlas)
 }
 
 /// Distance of a point from the refolded surface near the image of `q`.
@@ -89,7 +116,10 @@ fn to_refolded(refolded: &Refolded, q: &Vec2, x: &Vec3) -> f64 {
         let Some(place) = refolded.locate(&q) else { break };
         let (p, pose) = refolded.frame(&place);
         let off = x - p;
-        least = least.min(off.norm());
+        if off.norm() >= least {
+            break;
+        }
+        least = off.norm();
         // The map keeps lengths, so the way in the plane is that in the tangent plane.
         let flat = refolded.leaves[place.leaf].ribbon.flat(place.spot.t);
         q += flat.ruling().xy() * off.dot(&pose.ruling()) + flat.across().xy() * off.dot(&pose.across());

@@ -17,8 +17,8 @@ impl Ribbon {
     /// The place of a point of the plane; the one nearest to the sheet where rulings cross in it.
     pub fn locate(&self, q: &Vec2) -> Option<Spot> {
         let n = self.spans.len();
-        let side = |pose: &Pose| (Vec3::new(q.x, q.y, 0.0) - pose.at).dot(&pose.across());
-        let sides: Vec<f64> = self.spans.iter().map(|s| side(&s.flat)).chain([side(&self.flat(self.end()))]).collect();
+        // Of the plane: there are many rulings, and few near the point.
+        let side = |pose: &Pose| (q.x - pose.at.x) * pose.axes[(0, 1)] + (q.y - pose.at.y) * pose.axes[(1, 1)];
         let offer = |best: &mut Option<(f64, Spot)>, k: usize, start: f64, limits: [f64; 2]| {
             let Some(share) = self.share(k, q, start, limits) else { return };
             let spot = self.spot(k, share, q);
@@ -31,12 +31,15 @@ impl Ribbon {
             }
         };
         let mut best: Option<(f64, Spot)> = None;
+        let mut here = side(&self.spans.first()?.flat);
         for k in 0..n {
-            if sides[k] >= 0.0 && sides[k + 1] <= 0.0 || sides[k] <= 0.0 && sides[k + 1] >= 0.0 {
-                let whole = sides[k] - sides[k + 1];
-                let start = if whole == 0.0 { 0.5 } else { sides[k] / whole };
+            let next = self.spans.get(k + 1).map_or_else(|| side(&self.flat(self.end())), |s| side(&s.flat));
+            if here >= 0.0 && next <= 0.0 || here <= 0.0 && next >= 0.0 {
+                let whole = here - next;
+                let start = if whole == 0.0 { 0.5 } else { here / whole };
                 offer(&mut best, k, start, [0.0, 1.0]);
             }
+            here = next;
         }
         if best.is_none_or(|b| b.0 > 0.0) {
             offer(&mut best, 0, 0.0, [-BEYOND, 0.0]);

@@ -20,6 +20,8 @@ const STEPS: usize = 8;
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
 const ENOUGH: (f64, f64, usize) = (0.93, 0.02, 2);
+/// Largest gap (tolerances) of strips that meet as they are, as parts of one developable do: no step brings them nearer.
+const MET: f64 = 1e-9;
 /// Steps that gain less end the program once gaps are small enough; with distances beyond the tolerance, where all hangs on a
 /// little more, this part of it.
 const STALLED: (f64, f64) = (2e-3, 0.2);
@@ -67,7 +69,7 @@ impl<'a> Joint<'a> {
             let at = now.measured();
             far |= count == FAR.1 && at[0] > FAR.0;
             let merit = |[distance, gap]: [f64; 2]| distance.max(LOW_ENOUGH) + GAP.1 * gap.max(GAP.0);
-            let is_settled = begun || count >= ENOUGH.2;
+            let is_settled = begun || count >= ENOUGH.2 || at[1] <= MET;
             if is_settled && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
                 break;
             }
