@@ -69,6 +69,8 @@ pub struct FlatPart {
     pub allowances: Vec<f64>,
     /// Entity numbers of sides of the sheet beside it that are not square to it.
     pub slanting: Vec<u64>,
+    /// The map of every face, whether it has a closed form or not.
+    pub places: Vec<PlacedChart>,
     /// Of a part that is one face its map.
     pub chart: Option<PlacedChart>,
     /// Edges that it shares with itself or a later part of its body; parts are counted within the body.
@@ -307,6 +309,7 @@ fn part(
         strips: piece.faces.iter().map(placed_strips).collect(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
         slanting: Vec::new(),
+        places: piece.faces.iter().map(|p| PlacedChart { chart: p.chart.clone(), motion: p.motion }).collect(),
         chart: match piece.faces.as_slice() {
             [only] => Some(PlacedChart { chart: only.chart.clone(), motion: only.motion }),
             _ => None,
