@@ -8,7 +8,7 @@
 use super::refold::atlas::{Atlas, OnPanel};
 use super::refold::drawn::{distance, foot};
 use super::shop::roll::outlines;
-use super::shop::sections::simplified;
+use super::shop::sections::{clipped, simplified};
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::patchwork::pattern::Pattern;
 use crate::spline::curve::Curve;
@@ -70,6 +70,8 @@ const STEPS: f64 = 48.0;
 const PER_SPAN: (usize, usize) = (2, 400);
 /// Halvings with which ends are found: what doubles can tell.
 const HALVINGS: usize = 48;
+/// Points of one curve on one part that are looked for between its first ones at most.
+const MOST: usize = 20_000;
 /// Halvings of a chord at most.
 const DEEPEST: usize = 20;
 /// Shares of a chord at which it is compared with the image.
@@ -79,6 +81,9 @@ const BETWEEN: [f64; 3] = [0.27, 0.5, 0.73];
 const STRETCH: f64 = 4.0;
 /// Distance from the outline within which a line runs along it, against what both may be off.
 const ALONG: f64 = 2.0;
+/// Length against the distance within which points are on a face below which lines are no more than where a curve comes through a
+/// face or to a cut.
+const STUB: f64 = 10.0;
 /// Half the length of the lines of a cross against the part's length.
 const ARM: f64 = 0.01;
 
@@ -136,14 +141,15 @@ impl Target {
         self.atlas.from_space(x).map_or(f64::INFINITY, |on| on.off)
     }
 
-    /// A point as a cross of two lines on the pattern, and its distance (mm) from the part; `None` where it lies on no face.
-    pub fn cross(&self, x: &Vec3, within: f64) -> Option<([Vec<Vec2>; 2], f64)> {
+    /// A point as a cross of two lines on the pattern, as far as these are inside it, and its distance (mm) from the part; `None`
+    /// where it lies on no face.
+    pub fn cross(&self, x: &Vec3, within: f64) -> Option<(Vec<Vec<Vec2>>, f64)> {
         let (on, p) = self.spot(0.0, *x, None, within).place?;
         let all = self.loops.iter().flatten();
         let (low, high) = all.fold((p, p), |(l, h), q| (l.inf(q), h.sup(q)));
         let arm = ARM * (high - low).norm();
-        let line = |d: Vec2| vec![p - d, p + d];
-        Some(([line(Vec2::new(arm, 0.0)), line(Vec2::new(0.0, arm))], on.off))
+        let line = |d: Vec2| clipped(&[p - d, p + d], &self.loops);
+        Some(([line(Vec2::new(arm, 0.0)), line(Vec2::new(0.0, arm))].concat(), on.off))
     }
 
     /// The lines of a curve.
@@ -157,7 +163,7 @@ impl Target {
             let before = spots.last().copied();
             spots.push(self.spot(*s, path.point(*s), before.as_ref(), options.within));
         }
-        let mut walk = Walk { target: self, path, options, lines: vec![Vec::new()] };
+        let mut walk = Walk { target: self, path, options, lines: vec![Vec::new()], left: MOST };
         for w in spots.windows(2) {
             walk.stretch(&w[0], &w[1], 0);
         }
@@ -165,6 +171,10 @@ impl Target {
         for line in walk.lines.iter().filter(|l| l.len() > 1) {
             let fine: Vec<Vec2> = line.iter().filter_map(|s| s.place.map(|p| p.1)).collect();
             let edge = ALONG * (options.within + self.rough);
+            let is_stub = fine.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() <= STUB * options.within;
+            if is_stub && (walk.lines.len() > 1 || !out.on.iter().all(|on| *on)) {
+                continue;
+            }
             if fine.iter().all(|p| distance(&self.loops, p) <= edge) {
                 out.along_edge = true;
                 continue;
@@ -181,7 +191,7 @@ impl Target {
     /// The place of a point, near that of the point before where that is near enough.
     fn spot(&self, s: f64, x: Vec3, before: Option<&Spot>, within: f64) -> Spot {
         let near = before.and_then(|b| self.atlas.beside(&x, &b.place?.0)).filter(|on| on.off <= within);
-        let on = near.or_else(|| self.atlas.from_space(&x).filter(|on| on.off <= within));
+        let on = near.or_else(|| self.atlas.within(&x, within).filter(|on| on.off <= within));
         Spot { s, x, place: on.map(|on| (on, self.atlas.flat(&on))) }
     }
 }
@@ -207,10 +217,13 @@ struct Walk<'w, 'a> {
     path: &'w Path<'a>,
     options: &'w CarryOptions,
     lines: Vec<Vec<Spot>>,
+    /// Points that may still be looked for: where images leap to and fro no halving ends.
+    left: usize,
 }
 
 impl Walk<'_, '_> {
-    fn at(&self, s: f64, near: &Spot) -> Spot {
+    fn at(&mut self, s: f64, near: &Spot) -> Spot {
+        self.left = self.left.saturating_sub(1);
         self.target.spot(s, self.path.point(s), Some(near), self.options.within)
     }
 
@@ -249,14 +262,14 @@ impl Walk<'_, '_> {
     /// A stretch over which the image goes on.
     fn chord(&mut self, a: &Spot, b: &Spot, depth: usize) {
         self.push(*a);
-        let middles = BETWEEN.map(|share| self.at(a.s + (b.s - a.s) * share, a));
+        let middles = BETWEEN.map(|share: f64| self.at(a.s + (b.s - a.s) * share, a));
         let ends = a.place.zip(b.place);
         let off = |m: &Spot| match (ends, m.place) {
             (Some((p, q)), Some(m)) => (m.1 - foot(&p.1, &q.1, &m.1)).norm(),
             _ => f64::INFINITY,
         };
         let worst = middles.iter().map(off).fold(0.0, f64::max);
-        if worst > self.options.chord && depth < DEEPEST {
+        if worst > self.options.chord && depth < DEEPEST && self.left > 0 {
             let [_, middle, _] = middles;
             self.stretch(a, &middle, depth + 1);
             self.stretch(&middle, b, depth + 1);
@@ -267,7 +280,7 @@ impl Walk<'_, '_> {
     }
 
     /// The last point on the way from one to the other to which the image of the first goes on.
-    fn last(&self, from: &Spot, to: &Spot) -> Option<Spot> {
+    fn last(&mut self, from: &Spot, to: &Spot) -> Option<Spot> {
         from.place?;
         let (mut on, mut beyond) = (*from, to.s);
         for _ in 0..HALVINGS {

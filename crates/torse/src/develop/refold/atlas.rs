@@ -54,6 +54,8 @@ pub struct PlacedPanel {
     /// Images of the loops, after everything.
     flat: Vec<Vec<Vec2>>,
     seeds: Vec<([f64; 2], Vec2)>,
+    /// The seeds in space.
+    places: Vec<Vec3>,
     /// Sides of the loops in pieces that are nearly straight in space.
     border: Vec<BorderPiece>,
     /// Share of the patch by which a place may lie beyond its edges and still be on it.
@@ -164,6 +166,8 @@ const BETWEEN: f64 = 0.37;
 const SEEDS: (usize, usize) = (40, 8);
 /// Pieces of a border, the nearest by their chords, of which the nearest place is looked for.
 const NEAREST_PIECES: usize = 4;
+/// Seeds, the nearest in space, from which the nearest place is looked for.
+const NEAREST_SEEDS: usize = 3;
 /// Steps of Newton's method.
 const STEPS: usize = 30;
 /// Share of the distance that is left after a step with which derivatives do for the next one, too.
@@ -220,8 +224,8 @@ impl PlacedPanel {
         let edge = if has_tip(&panel.surface) { 0.0 } else { EDGE };
         let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
         let (region, bounds) = (panel.loops.iter().map(polygon).collect(), panel.surface.bbox());
-        let (flat, seeds, border) = (Vec::new(), Vec::new(), Vec::new());
-        let mut out = Self { panel, map, own, region, bounds, flat, seeds, border, edge };
+        let (flat, seeds, places, border) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut out = Self { panel, map, own, region, bounds, flat, seeds, places, border, edge };
         out.flat = out.images();
         out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -237,6 +241,7 @@ impl PlacedPanel {
                     b[0] + (b[1] - b[0]) * i as f64 / SEEDS.0 as f64,
                     b[2] + (b[3] - b[2]) * j as f64 / SEEDS.1 as f64,
                 ];
+                out.places.push(out.panel.surface.point(uv[0], uv[1]));
                 out.seeds.push((uv, out.own_flat(uv)));
             }
         }
@@ -509,25 +514,33 @@ impl Atlas {
 
     /// The nearest place on the panels of a point in space, within their edges.
     pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
+        self.within(x, f64::INFINITY)
+    }
+
+    /// The same on panels whose boxes are within `reach` (mm).
+    pub(crate) fn within(&self, x: &Vec3, reach: f64) -> Option<OnPanel> {
         let mut best: Option<OnPanel> = None;
         let away = |b: &BBox| (b.min - x).sup(&(x - b.max)).sup(&Vec3::zeros()).norm();
         let mut order: Vec<(f64, usize)> = self.panels.iter().map(|s| away(&s.bounds)).zip(0..).collect();
+        order.retain(|o| o.0 <= reach);
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (least, panel) in order {
             if best.is_some_and(|b| b.off < least) {
                 break;
             }
             let s = &self.panels[panel];
-            let mut starts: Vec<(f64, [f64; 2])> =
-                s.seeds.iter().map(|(uv, _)| ((s.panel.surface.point(uv[0], uv[1]) - x).norm_squared(), *uv)).collect();
-            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut starts: Vec<(f64, usize)> = s.places.iter().map(|p| (p - x).norm_squared()).zip(0..).collect();
+            let count = NEAREST_SEEDS.min(starts.len());
+            if count < starts.len() {
+                starts.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
+            }
             let mut offer = |uv: [f64; 2], off: f64| {
                 if best.is_none_or(|b| off < b.off) {
                     best = Some(OnPanel { panel, uv, off });
                 }
             };
-            for (_, start) in starts.iter().take(3) {
-                let at = refine(&s.panel.surface, x, *start);
+            for (_, start) in &starts[..count] {
+                let at = refine(&s.panel.surface, x, s.seeds[*start].0);
                 if s.contains(at.at) {
                     offer(at.at, at.distance);
                 }

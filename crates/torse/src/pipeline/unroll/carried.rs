@@ -17,6 +17,8 @@ use std::collections::HashSet;
 
 /// Share of the tolerance within which curves are drawn: half of it for chords and half for points left out.
 const DRAWN: f64 = 0.25;
+/// Points of a curve off the faces at which its distance is measured at most.
+const LOOKS: usize = 64;
 /// Points on every span of a panel's border.
 const BORDER_POINTS: usize = 16;
 
@@ -42,15 +44,16 @@ pub(super) fn carry(
     }
     let targets: Vec<Option<Target>> = parts.par_iter().zip(laid).map(|(p, l)| target(p, l.as_ref(), faces)).collect();
     let found: Vec<Found> = curves.par_iter().map(|c| one(c, &targets, tolerance)).collect();
+    let several = curves.iter().any(|c| c.layer != curves[0].layer);
     let mut layers: HashSet<(usize, &str)> = HashSet::new();
     let mut drawn: Vec<Vec<MarkLine>> = parts.iter().map(|_| Vec::new()).collect();
     for (curve, found) in curves.iter().zip(&found) {
         let mut labelled: HashSet<usize> = HashSet::new();
         for (part, points) in &found.lines {
             let first = labelled.insert(*part);
-            // Curves without names have that of their layer, once on every part.
+            // Curves without names have that of their layer, once on every part, where it tells something.
             let label = match curve.name.as_str() {
-                "" if first && layers.insert((*part, &curve.layer)) => curve.layer.clone(),
+                "" if first && several && layers.insert((*part, &curve.layer)) => curve.layer.clone(),
                 name if first => name.to_owned(),
                 _ => String::new(),
             };
@@ -130,8 +133,10 @@ fn one(curve: &FreeCurve, targets: &[Option<Target>], tolerance: f64) -> Found {
 
 /// What of a curve lies on no part.
 fn off_faces(curve: &FreeCurve, (points, on): (&[Vec3], &[bool]), targets: &[Option<Target>]) -> Option<OffFaces> {
-    let lost = points.iter().zip(on).filter(|(_, on)| !**on);
-    let farthest = lost.map(|(x, _)| nearest(targets, x)).reduce(f64::max)?;
+    let lost: Vec<&Vec3> = points.iter().zip(on).filter(|(_, on)| !**on).map(|(x, _)| x).collect();
+    let every = lost.len() / LOOKS + 1;
+    let looked = lost.iter().step_by(every).chain(lost.last());
+    let farthest = looked.map(|x| nearest(targets, x)).reduce(f64::max)?;
     let chords = || points.windows(2).zip(on.windows(2)).map(|(w, on)| ((w[1] - w[0]).norm(), on[0] && on[1]));
     let length = chords().map(|c| c.0).sum();
     let off = chords().filter(|c| !c.1).map(|c| c.0).sum();

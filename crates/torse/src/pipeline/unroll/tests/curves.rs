@@ -91,7 +91,8 @@ fn a_circle_around_a_cone_becomes_an_arc_about_its_apex() {
     let cone = round_surface(30.0, slope, (0.0, 25.0));
     let radius = 30.0 + slope * at;
     let circle = arc(Vec3::z() * at, [Vec3::new(0.6, 0.8, 0.0), Vec3::new(-0.8, 0.6, 0.0)], radius, TAU);
-    let answer = unrolled(vec![cone], vec![curve("", vec![circle])], true);
+    let away = FreeCurve { layer: "other".into(), shape: FreeShape::Point(Vec3::zeros()), ..curve("", Vec::new()) };
+    let answer = unrolled(vec![cone], vec![curve("", vec![circle]), away], true);
     let lines = &answer.patterns[0].curves;
     // It begins beside the cut.
     assert_eq!(lines.len(), 2);
@@ -140,8 +141,9 @@ fn what_lies_on_no_face_is_named() {
     let beside = curve("beside", polyline(&[Vec3::new(5.0, 5.0, 3.0), Vec3::new(15.0, 5.0, 3.0)]));
     let edge = curve("edge", polyline(&[Vec3::zeros(), Vec3::new(40.0, 0.0, 0.0)]));
     let point = |name: &str, at: Vec3| FreeCurve { shape: FreeShape::Point(at), ..curve(name, Vec::new()) };
+    let through = curve("through", polyline(&[Vec3::new(30.0, 5.0, -4.0), Vec3::new(31.0, 5.0, 4.0)]));
     let points = [point("P1", Vec3::new(30.0, 20.0, 0.0)), point("P2", Vec3::new(30.0, 20.0, 7.0))];
-    let answer = unrolled(vec![plate], [vec![half, beside, edge], points.to_vec()].concat(), true);
+    let answer = unrolled(vec![plate], [vec![half, beside, edge, through], points.to_vec()].concat(), true);
     let lines = &answer.patterns[0].curves;
     assert_eq!(lines.iter().map(|l| l.label.as_str()).collect::<Vec<_>>(), ["half", "P1", ""]);
     assert!((length(&lines[0].points) - 20.0).abs() < 2.0 * TOLERANCE, "{}", length(&lines[0].points));
@@ -149,7 +151,10 @@ fn what_lies_on_no_face_is_named() {
     assert!((middle(1) - middle(2)).norm() < 1e-9);
     let named = off(&answer);
     let told: Vec<(&str, f64)> = named.iter().map(|o| (o.curve.as_str(), o.farthest.round())).collect();
-    assert_eq!(told, [("object 1 'half'", 20.0), ("object 1 'beside'", 3.0), ("object 1 'P2'", 7.0)]);
+    assert_eq!(
+        told,
+        [("object 1 'half'", 20.0), ("object 1 'beside'", 3.0), ("object 1 'through'", 4.0), ("object 1 'P2'", 7.0)]
+    );
     assert!((named[0].off - 20.0).abs() < 1.0 && (named[0].length - 40.0).abs() < 1e-9, "{:?}", named[0]);
     let sentences: Vec<String> = answer.notes.iter().map(words::note).collect();
     assert!(sentences.iter().any(|s| s.contains("run along outlines") && s.contains("'edge'")), "{sentences:?}");
