@@ -86,6 +86,18 @@ fn bodies_are_written_so_many_at_a_time() {
 }
 
 #[test]
+fn drawings_have_a_tolerance_where_none_is_given() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("flat");
+    let run = torse(&["unroll"], &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    assert!(said(&run).contains("tolerance 0.01mm"), "{}", said(&run));
+    let report = std::fs::read_to_string(out.join("report.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!((report["tolerance"].as_f64(), report["status"].as_str()), (Some(0.01), Some("certified")));
+}
+
+#[test]
 fn faces_that_are_not_developable_are_named_with_the_command_that_would_help() {
     let dir = tempfile::tempdir().expect("a folder");
     let out = dir.path().join("flat");

@@ -140,6 +140,7 @@ fn a_long_free_edge_is_drawn_in_few_arcs() {
         notes: Vec::new(),
         unit: String::new(),
         products: Vec::new(),
+        curves: Vec::new(),
     };
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.05) };
     let flat = torse::unroll(&model, &options, &Control::default()).expect("a part");

@@ -231,7 +231,14 @@ fn pulled_strips_commute_with_similarities() {
 
 /// A model of one face.
 fn model(face: Face) -> Model {
-    Model { faces: vec![face], skipped: Vec::new(), unit: "millimetre".into(), notes: Vec::new(), products: Vec::new() }
+    Model {
+        faces: vec![face],
+        skipped: Vec::new(),
+        unit: "millimetre".into(),
+        notes: Vec::new(),
+        products: Vec::new(),
+        curves: Vec::new(),
+    }
 }
 
 #[test]

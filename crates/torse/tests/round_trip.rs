@@ -61,6 +61,7 @@ fn faces_are_read_back_from_every_format_with_their_areas() {
             notes: Vec::new(),
             unit: String::new(),
             products: Vec::new(),
+            curves: Vec::new(),
         };
         let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.01) };
         let mut answer = torse::unroll(&model, &options, &Control::default()).expect("a part");

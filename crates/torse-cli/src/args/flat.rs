@@ -33,8 +33,10 @@ pub struct Unroll {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
-    /// Largest distance allowed between drawn and exact outlines, with its unit: 0.01mm
-    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    /// Largest distance allowed between drawn and exact outlines, and within which curves lie on faces, with its unit. Planes, round
+    /// cylinders and cones are laid flat exactly, whatever it is
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, default_value = "0.01mm",
+          allow_hyphen_values = true)]
     pub tolerance: Length,
 
     #[command(flatten)]

@@ -8,6 +8,7 @@ pub mod body;
 pub mod boundary_stretch;
 pub(crate) mod conic;
 pub mod face;
+pub mod free_curve;
 pub(crate) mod join;
 pub(crate) mod nearest_on_curve;
 pub(crate) mod offset;

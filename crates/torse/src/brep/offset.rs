@@ -1,9 +1,11 @@
-//! Offset surfaces: exact for the support surfaces whose offsets are of their own kind, interpolated for the rest.
+//! Offset surfaces: exact for the support surfaces whose offsets are of their own kind, interpolated for the rest. The offset of an
+//! extruded curve is the extruded offset of it: a stretch is interpolated, and one of its parameter lines extruded anew.
 
 use super::offset_bound::distance_from_offset;
 use super::raw::SurfaceDeviation;
+use super::space_curve::SpaceCurve;
 use super::support_surface::{SplineSupport, SupportSurface};
-use crate::geom::{Frame, Vec3};
+use crate::geom::{BBox, Frame, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::surface::{Surface, NO_NORMAL};
 use crate::spline::SplineError;
@@ -16,7 +18,7 @@ pub(crate) enum OffsetError {
     #[error("an offset of {0} mm passes the axis or centre of the surface")]
     Vanishes(f64),
     /// The surface has no own bounds, so it cannot be sampled.
-    #[error("the offset of an endless swept surface is not read")]
+    #[error("the offset of an endless swept surface is read where a spline is extruded, not of other ones")]
     Endless,
     /// The normal is not defined everywhere.
     #[error("the surface has a point without a normal, where its offset is not defined")]
@@ -70,8 +72,31 @@ pub(crate) fn of_support(
         }
         SupportSurface::Spline(_) if distance == 0.0 => exact(base.clone()),
         SupportSurface::Spline(s) => interpolated(&s.surface, distance),
-        SupportSurface::Extrusion { .. } | SupportSurface::Revolution { .. } => Err(OffsetError::Endless),
+        SupportSurface::Extrusion { .. } if distance == 0.0 => exact(base.clone()),
+        SupportSurface::Extrusion { directrix, direction } => extruded(base, directrix, direction, distance),
+        SupportSurface::Revolution { .. } => Err(OffsetError::Endless),
     }
+}
+
+/// The offset of an extrusion, as endless as it is. Normals are the same all along a ruling, so that what a stretch of the offset is
+/// off holds for all of it.
+fn extruded(
+    base: &SupportSurface,
+    directrix: &SpaceCurve,
+    direction: &Vec3,
+    distance: f64,
+) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
+    // Splines keep their parameters, which files may use; conics would not.
+    let SpaceCurve::Spline(curve) = directrix else { return Err(OffsetError::Endless) };
+    let range = curve.domain();
+    let points: Vec<Vec3> = directrix.stations(range.0, range.1).iter().map(|t| directrix.point(*t)).collect();
+    // A stretch about as long as the curve.
+    let long = BBox::of(&points).diagonal() / direction.norm();
+    let (stretch, _) = base.to_spline(range, (0.0, long))?;
+    let (support, deviation) = interpolated(&stretch, distance)?;
+    let SupportSurface::Spline(offset) = support else { return Err(OffsetError::Endless) };
+    let line = offset.surface.curve_at_v(offset.surface.knots_v.domain().0);
+    Ok((SupportSurface::Extrusion { directrix: SpaceCurve::Spline(line), direction: *direction }, deviation))
 }
 
 /// Interpolates the offset at Greville points over ever finer knots. What it is off is proven, not sampled.
@@ -186,6 +211,7 @@ fn interpolate(ku: &Knots, kv: &Knots, gu: &[f64], gv: &[f64], samples: &[Vec3])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spline::curve::Curve;
 
     #[test]
     fn offsets_lie_at_the_distance() {
@@ -241,6 +267,26 @@ mod tests {
             assert!(worst <= deviation.bound, "{worst:e} {deviation:?}");
             assert!(deviation.bound <= 3.0 * worst + 1e-11, "{worst:e} {deviation:?}");
         }
+    }
+
+    #[test]
+    fn the_offset_of_an_extruded_curve_is_as_endless_as_it_is() {
+        let knots = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+        let control = [[0.0, 0.0], [10.0, 8.0], [20.0, -8.0], [30.0, 0.0]].map(|[x, y]| [x, y, 0.0, 1.0]);
+        let wave = SpaceCurve::Spline(Curve { knots, control: control.to_vec() });
+        let base = SupportSurface::Extrusion { directrix: wave, direction: Vec3::new(0.0, 0.3, 1.0) };
+        for distance in [2.0, -1.5] {
+            let (o, deviation) = of_support(&base, distance).expect("an offset");
+            assert!(matches!(o, SupportSurface::Extrusion { .. }) && deviation.bound < 1e-3, "{deviation:?}");
+            for q in [[0.1, -400.0], [0.37, 0.0], [0.8, 3000.0]] {
+                let j = base.jet(q);
+                let x = j.p + j.du.cross(&j.dv).normalize() * distance;
+                let off = (o.jet(o.foot(&x, None)).p - x).norm();
+                assert!(off <= deviation.bound + 1e-9, "{off:e} {deviation:?}");
+            }
+        }
+        let directrix = SpaceCurve::Parabola { frame: Frame::world(), focal: 1.0 };
+        assert!(of_support(&SupportSurface::Extrusion { directrix, direction: Vec3::z() }, 1.0).is_err());
     }
 
     #[test]

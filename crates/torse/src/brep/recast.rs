@@ -1,5 +1,5 @@
 //! Swept surfaces that are elementary ones: a line or a circle turned about an axis, a line moved along a direction. Their
-//! offsets are known, those of endless sweeps are not.
+//! offsets are known exactly.
 
 use super::space_curve::SpaceCurve;
 use super::support_surface::SupportSurface;

@@ -316,6 +316,7 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFa
     counted(Drawn::Rulings, pattern.rulings.len(), piece.rulings.len())?;
     counted(Drawn::Marks, pattern.marks.len(), piece.marks.len())?;
     counted(Drawn::Sections, pattern.sections.len(), piece.sections.len())?;
+    counted(Drawn::Curves, pattern.curves.len(), piece.curves.len())?;
     let outlines = || {
         let own = pattern.contours.iter().chain(&pattern.formed);
         own.zip(piece.contours.iter().chain(&piece.formed))
@@ -357,7 +358,7 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFa
         let a = a.0;
         offs.extend([far(&a[0], &b[0]), far(&a[1], &b[1])]);
     }
-    for (own, line) in pattern.sections.iter().zip(&piece.sections) {
+    for (own, line) in pattern.sections.iter().chain(&pattern.curves).zip(piece.sections.iter().chain(&piece.curves)) {
         counted(Drawn::Corners, own.points.len(), line.len())?;
         offs.extend(own.points.iter().zip(line).map(|(a, b)| far(a, b)));
     }

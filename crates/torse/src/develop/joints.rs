@@ -101,6 +101,11 @@ pub(crate) fn places_on_outline(patchwork: &Patchwork, panel: usize, places: &[V
     places.iter().map(on).collect()
 }
 
+/// The map of a panel to the plane.
+pub(crate) fn panel_map(patchwork: &Patchwork, panel: usize) -> Option<Development> {
+    map(patchwork, panel).map(|m| m.0)
+}
+
 /// The map of a panel to the plane, and whether its outline runs the other way round there.
 fn map(patchwork: &Patchwork, panel: usize) -> Option<(Development, bool)> {
     let p = patchwork.panels.get(panel)?;

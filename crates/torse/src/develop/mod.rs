@@ -3,6 +3,7 @@
 pub mod arcs;
 pub mod bends;
 pub(crate) mod between;
+pub(crate) mod carried;
 pub(crate) mod cone_bends;
 pub(crate) mod cone_part;
 pub mod cones;

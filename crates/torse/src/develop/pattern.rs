@@ -154,6 +154,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         extents: Vec::new(),
         formed: Vec::new(),
         sections: Vec::new(),
+        curves: Vec::new(),
         marks,
         sides,
         area: flat_area.abs(),

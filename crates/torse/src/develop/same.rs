@@ -1,10 +1,10 @@
 //! Parts that are equal in the plane, as they lie or turned over: one drawing serves for all of them.
 //!
 //! *Method*: outlines with as many joints are laid on each other by a rigid motion for every shift of the joints; holes and
-//! bend lines must then fall together too. Round outlines whose joints lie elsewhere are not found.
+//! bend lines must then fall together too, and so must curves that are marked. Round outlines whose joints lie elsewhere are not found.
 
 use crate::geom::Vec2;
-use crate::patchwork::pattern::{BendSense, Contour, Pattern};
+use crate::patchwork::pattern::{BendSense, Contour, MarkLine, Pattern};
 
 /// An earlier part that a part equals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,8 @@ impl Motion {
 /// Whether a motion lays one pattern on the other.
 fn equal(p: &Pattern, q: &Pattern) -> bool {
     let slack = SAME * q.length.max(p.length);
-    let counts = |p: &Pattern| (p.contours.len(), p.formed.len(), p.rulings.len(), p.contours[0].vertices.len());
+    let counts =
+        |p: &Pattern| [p.contours.len(), p.formed.len(), p.rulings.len(), p.contours[0].vertices.len(), p.curves.len()];
     if p.contours.is_empty() || q.contours.is_empty() || counts(p) != counts(q) {
         return false;
     }
@@ -103,7 +104,8 @@ fn equal(p: &Pattern, q: &Pattern) -> bool {
 
 fn falls_together(p: &Pattern, q: &Pattern, motion: &Motion, slack: f64) -> bool {
     let each = |own: &[Contour], other: &[Contour]| own.iter().all(|c| other.iter().any(|d| on(c, d, motion, slack)));
-    each(&p.contours, &q.contours) && each(&p.formed, &q.formed) && {
+    let marked = p.curves.iter().all(|l| q.curves.iter().any(|m| is_line(l, m, motion, slack)));
+    marked && each(&p.contours, &q.contours) && each(&p.formed, &q.formed) && {
         let line = |k: usize| (p.rulings[k].map(|x| motion.apply(&x)), p.bend(k));
         (0..p.rulings.len()).map(line).all(|([a, b], bend)| {
             (0..q.rulings.len()).any(|j| {
@@ -115,6 +117,13 @@ fn falls_together(p: &Pattern, q: &Pattern, motion: &Motion, slack: f64) -> bool
             })
         })
     }
+}
+
+/// Whether a marked line, moved, is another, run through either way.
+fn is_line(l: &MarkLine, m: &MarkLine, motion: &Motion, slack: f64) -> bool {
+    let near = |(p, q): (&Vec2, &Vec2)| (motion.apply(p) - q).norm() <= slack;
+    l.points.len() == m.points.len()
+        && (l.points.iter().zip(&m.points).all(near) || l.points.iter().rev().zip(&m.points).all(near))
 }
 
 /// Whether a contour, moved, is another.

@@ -237,6 +237,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         extents: Vec::new(),
         formed: Vec::new(),
         sections: Vec::new(),
+        curves: Vec::new(),
         marks,
         sides,
         area: area.abs(),

@@ -7,7 +7,7 @@ use super::scene::{titled, NOT_CERTIFIED};
 use super::{flat, stroke_font};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::{BendSense, Contour, ContourVertex, Pattern, Placement};
+use crate::patchwork::pattern::{BendSense, Contour, ContourVertex, MarkLine, Pattern, Placement};
 use rayon::prelude::*;
 
 /// All patterns of a sheet.
@@ -53,6 +53,8 @@ pub struct Piece {
     pub formed: Vec<Contour>,
     /// Lines in which planes cut the part: do not cut.
     pub sections: Vec<Vec<Vec2>>,
+    /// Curves of the model that lie on the part: do not cut.
+    pub curves: Vec<Vec<Vec2>>,
     /// Matching marks: short lines from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
     /// Strokes of the panel's name and of the marks' labels.
@@ -222,6 +224,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     };
     let line = |l: &[Vec2; 2]| l.map(|p| placement.apply(&p));
+    let marked_line = |l: &MarkLine| l.points.iter().map(|p| placement.apply(p)).collect();
     let mut contours = pattern.contours.iter().map(contour);
     let mut piece = Piece {
         name: pattern.name.clone(),
@@ -231,7 +234,8 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         senses: pattern.bends.iter().map(|b| b.sense).collect(),
         extents: pattern.extents.iter().map(line).collect(),
         formed: pattern.formed.iter().map(contour).collect(),
-        sections: pattern.sections.iter().map(|s| s.points.iter().map(|p| placement.apply(p)).collect()).collect(),
+        sections: pattern.sections.iter().map(marked_line).collect(),
+        curves: pattern.curves.iter().map(marked_line).collect(),
         marked,
         ..Piece::default()
     };
@@ -249,7 +253,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         piece.marks.push([foot, foot + placement.turn(&mark.inward) * (TICK * height)]);
     }
     let cuts = rough.outlines.iter().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
-    let drawn = piece.sections.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
+    let drawn = piece.sections.iter().chain(&piece.curves).flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
     let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(drawn).collect());
     let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
     let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
@@ -262,8 +266,9 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
     }
-    for (section, line) in pattern.sections.iter().zip(&piece.sections) {
-        labels.put(&section.label, places_beside(&section.label, line, height));
+    let named = pattern.sections.iter().chain(&pattern.curves).zip(piece.sections.iter().chain(&piece.curves));
+    for (mark, line) in named.filter(|(mark, _)| !mark.label.is_empty()) {
+        labels.put(&mark.label, places_beside(&mark.label, line, height));
     }
     piece.text = labels.strokes;
     Drawn { piece, outlines: rough.outlines, beside }

@@ -1,7 +1,7 @@
 //! Flat patterns as polylines on the sheet, for pictures. Cutting files keep the arcs; this does not.
 
 use crate::geom::Vec2;
-use crate::patchwork::pattern::{Bend, Contour, Pattern, ViewSide};
+use crate::patchwork::pattern::{Bend, Contour, MarkLine, Pattern, ViewSide};
 
 /// A pattern placed on the sheet, drawn with straight pieces. Lengths in mm.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub struct FlatPiece {
     pub formed: Vec<Vec<Vec2>>,
     /// Lines in which planes cut the part.
     pub sections: Vec<Vec<Vec2>>,
+    /// Curves of the model that lie on the part.
+    pub curves: Vec<Vec<Vec2>>,
     /// Side of the model from which the pattern is seen.
     pub view: ViewSide,
     /// Matching marks: place, unit vector into the panel.
@@ -46,6 +48,7 @@ pub(crate) fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_err
             let turn = |v: Vec2| Vec2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
             let place = |p: Vec2| turn(p) + offset;
             let points = |c: &Contour| contour_points(c, chord_error).into_iter().map(place).collect();
+            let line = |l: &MarkLine| l.points.iter().map(|p| place(*p)).collect();
             let outlines: Vec<Vec<Vec2>> = pattern.contours.iter().map(points).collect();
             let (label, room) = roomy_place(&outlines);
             FlatPiece {
@@ -56,7 +59,8 @@ pub(crate) fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_err
                 bends: pattern.bends.clone(),
                 extents: pattern.extents.iter().map(|r| r.map(place)).collect(),
                 formed: pattern.formed.iter().map(points).collect(),
-                sections: pattern.sections.iter().map(|s| s.points.iter().map(|p| place(*p)).collect()).collect(),
+                sections: pattern.sections.iter().map(line).collect(),
+                curves: pattern.curves.iter().map(line).collect(),
                 view: pattern.view,
                 marks: pattern.marks.iter().map(|m| [place(m.point), turn(m.inward)]).collect(),
                 label,

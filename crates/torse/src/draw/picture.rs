@@ -223,7 +223,7 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
             let line: Vec<Vec2> = outline.iter().chain(outline.first()).map(place).collect();
             drawing.stroke(&line, 1.4, INK, 0.5);
         }
-        for line in &piece.sections {
+        for line in piece.sections.iter().chain(&piece.curves) {
             let line: Vec<Vec2> = line.iter().map(place).collect();
             drawing.stroke(&line, 1.2, INK, 0.7);
         }

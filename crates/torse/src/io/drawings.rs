@@ -129,17 +129,17 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
             contours.push(WrittenContour::Joints(joints));
             Ok(())
         }
-        ("LWPOLYLINE", "MARK_SECTION") => {
+        ("LWPOLYLINE", "MARK_SECTION" | "MARK_CURVE") => {
             let of = |code: u32| groups.iter().filter(move |g| g.0 == code);
             let points: Result<Vec<Vec2>, String> =
                 of(10).zip(of(20)).map(|(x, y)| Ok(Vec2::new(number(x.1)?, number(y.1)?))).collect();
             let points = points?;
             let whole = points.len() > 1 && text(90) == points.len().to_string();
             if text(70) != "0" || !whole || groups.iter().any(|g| g.0 == 42) {
-                return Err(fault("the section is closed or bent, or its corners are not counted"));
+                return Err(fault("the marked line is closed or bent, or its corners are not counted"));
             }
-            let piece = out.last_mut().ok_or_else(|| fault("a section comes before its outline"))?;
-            piece.sections.push(points);
+            let piece = out.last_mut().ok_or_else(|| fault("a marked line comes before its outline"))?;
+            if layer == "MARK_CURVE" { &mut piece.curves } else { &mut piece.sections }.push(points);
             Ok(())
         }
         ("LINE", "BEND_UP" | "BEND_DOWN" | "RULING" | "BEND_EXTENT" | "MARK") => {
@@ -223,12 +223,13 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
                         _ => BendSense::Flat,
                     });
                 }
-                "mark-section" => {
+                "mark-section" | "mark-curve" => {
                     let joints = path(d)?;
                     if joints.len() < 2 || joints.iter().any(|j| j.arc != WrittenArc::Bulge(0.0)) {
                         return Err(format!("'{}' is not an open line", d.chars().take(30).collect::<String>()));
                     }
-                    piece.sections.push(joints.into_iter().map(|j| j.point).collect());
+                    let lines = if class == "mark-curve" { &mut piece.curves } else { &mut piece.sections };
+                    lines.push(joints.into_iter().map(|j| j.point).collect());
                 }
                 "marks" => piece.marks.push(line()?),
                 "text" => {}
@@ -332,14 +333,14 @@ mod tests {
         use crate::certify::written::drawing as compared;
         use crate::draw::drawing::{drawing, DrawingOptions};
         use crate::io::{dxf as dxf_writer, svg as svg_writer};
-        use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, SectionLine};
+        use crate::patchwork::pattern::{Contour, ContourVertex, MarkLine, Pattern};
         let corner = |x: f64, y: f64| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };
         let square = vec![corner(0., 0.), corner(200., 0.), corner(200., 90.), corner(0., 90.)];
         let line = [(50.0, 0.0), (60.0, 40.0), (55.0, 90.0)].map(|(x, y)| Vec2::new(x, y)).to_vec();
         let pattern = Pattern {
             name: "A".into(),
             contours: vec![Contour { vertices: square }],
-            sections: vec![SectionLine { label: "X 500".into(), points: line }],
+            sections: vec![MarkLine { label: "X 500".into(), points: line }],
             area: 18_000.0,
             length: 200.0,
             width: 90.0,

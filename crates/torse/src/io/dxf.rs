@@ -3,7 +3,7 @@
 //! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `BEND_UP`,
 //! `BEND_DOWN` and, where the sheet stays flat, `RULING`, lines where bends begin and end on `BEND_EXTENT`, outlines of formed
 //! features on `FORMED`, holes that are circles as CIRCLEs, matching marks LINEs on `MARK`, sections with planes open LWPOLYLINEs on
-//! `MARK_SECTION`, names and labels strokes on
+//! `MARK_SECTION`, curves of the model that lie on the part on `MARK_CURVE`, names and labels strokes on
 //! `TEXT`, a square by which the scale is seen on `SCALE_CHECK`; parts that must not be cut are wholly on `NOT_CERTIFIED`,
 //! with these words across them. There is no live text that a cutter's program could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
 //! strict readers ask for are all there, with handles and owners.
@@ -17,7 +17,7 @@ use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour};
 
 /// Layers and their colours (AutoCAD colour index).
-const LAYERS: [(&str, u8); 12] = [
+const LAYERS: [(&str, u8); 13] = [
     (OUTER, 7),
     (INNER, 7),
     (BEND_UP, 5),
@@ -27,6 +27,7 @@ const LAYERS: [(&str, u8); 12] = [
     (FORMED, 4),
     (MARK, 6),
     (SECTION, 2),
+    (CURVE, 140),
     (TEXT, 9),
     (SCALE, 8),
     (NOT_CERTIFIED, 1),
@@ -43,6 +44,8 @@ const FORMED: &str = "FORMED";
 const MARK: &str = "MARK";
 /// Lines in which planes cut the part.
 const SECTION: &str = "MARK_SECTION";
+/// Curves of the model that lie on the part.
+const CURVE: &str = "MARK_CURVE";
 const TEXT: &str = "TEXT";
 /// The test square.
 const SCALE: &str = "SCALE_CHECK";
@@ -104,6 +107,9 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
         }
         for line in &piece.sections {
             body.polyline(on(SECTION), false, line.iter().map(|p| (*p, 0.0)));
+        }
+        for line in &piece.curves {
+            body.polyline(on(CURVE), false, line.iter().map(|p| (*p, 0.0)));
         }
         for stroke in &piece.text {
             body.polyline(on(TEXT), false, stroke.iter().map(|p| (*p, 0.0)));

@@ -311,6 +311,9 @@ pub struct PartRecord {
     /// Parts that are made from this drawing as it is, this one among them; 0 where `same_as` names another drawing.
     #[serde(default)]
     pub quantity: usize,
+    /// Lines of curves of the model that lie on it, drawn to be marked.
+    #[serde(default)]
+    pub curves: usize,
     /// Parts that are made from this drawing turned over.
     #[serde(default)]
     pub quantity_turned_over: usize,
@@ -323,6 +326,9 @@ pub struct PartRecord {
     /// What the sheet is made of; empty where nothing was said.
     #[serde(default)]
     pub material: String,
+    /// Where the numbers of the material come from; empty where nothing was said.
+    #[serde(default)]
+    pub material_source: String,
     /// Weight, kg; null without material or thickness.
     #[serde(default)]
     pub weight_kg: Option<f64>,
@@ -564,6 +570,8 @@ pub(crate) mod tests {
             cut_length: Some(2742.9),
             pierces: 1,
             material: String::new(),
+            material_source: String::new(),
+            curves: 0,
             weight_kg: None,
             inside_radius: None,
             neutral_offset: None,

@@ -179,6 +179,7 @@ mod tests {
         assert!(all.len() >= 12);
         for m in &all {
             assert!((500.0..9000.0).contains(&m.density) && !m.note.is_empty(), "{m:?}");
+            assert!(!m.source.is_empty(), "{} names no source", m.name);
             let k = m.k.as_ref().expect("a K-factor");
             // Gentle bends have their neutral fibre in the middle.
             assert!((k.share(1000.0) - 0.5).abs() < 1e-12 && k.share(0.5) <= 0.5, "{m:?}");
@@ -186,6 +187,11 @@ mod tests {
         }
         let steel = material("Mild Steel", None).expect("steel");
         assert_eq!((steel.density, steel.least_radius), (7850.0, Some(LeastRadius::Thicknesses(1.0))));
+        // As EN 10088-1 has them.
+        for (name, density) in [("stainless-304", 7900.0), ("stainless-316", 8000.0)] {
+            let steel = material(name, None).expect("stainless steel");
+            assert!(steel.density == density && steel.source.contains("EN 10088-1"), "{steel:?}");
+        }
     }
 
     #[test]

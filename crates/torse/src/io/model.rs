@@ -3,6 +3,7 @@
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
+use crate::brep::free_curve::FreeCurve;
 use crate::reason::Reason;
 
 /// The faces of a CAD file.
@@ -18,6 +19,9 @@ pub struct Model {
     pub notes: Vec<Note>,
     /// Names of the products.
     pub products: Vec<String>,
+    /// Curves, points and texts beside the faces, in the coordinates of the whole model; those that could not be read are told in
+    /// the notes.
+    pub curves: Vec<FreeCurve>,
 }
 
 /// Knobs of the reader.

@@ -19,7 +19,7 @@ const MARGIN: f64 = 10.0;
 /// Stroke width of everything, mm.
 const HAIRLINE: f64 = 0.01;
 /// Colours: red cuts and blue scores for most laser drivers; holes differ so that they can be cut first.
-const COLOURS: [(&str, &str); 10] = [
+const COLOURS: [(&str, &str); 11] = [
     ("cut-outer", "#ff0000"),
     ("cut-inner", "#ff00ff"),
     ("bend-up", "#0080ff"),
@@ -28,6 +28,7 @@ const COLOURS: [(&str, &str); 10] = [
     ("bend-extent", "#808080"),
     ("formed", "#00a0a0"),
     ("mark-section", "#b08000"),
+    ("mark-curve", "#008080"),
     ("marks", "#0000ff"),
     ("text", "#000000"),
 ];
@@ -130,7 +131,8 @@ impl Document {
         let extents = piece.extents.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         let formed = piece.formed.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
         let sections = piece.sections.iter().map(|l| self.open(l)).collect::<Vec<_>>();
-        let groups = [outer, inner, up, down, rulings, extents, formed, sections, marks, text];
+        let curves = piece.curves.iter().map(|l| self.open(l)).collect::<Vec<_>>();
+        let groups = [outer, inner, up, down, rulings, extents, formed, sections, curves, marks, text];
         let groups: Vec<_> = if piece.marked {
             vec![(NOT_CERTIFIED, groups.concat())]
         } else {

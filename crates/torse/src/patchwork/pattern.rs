@@ -154,10 +154,10 @@ impl Placement {
     }
 }
 
-/// A line in which a plane cuts the part: to be marked, not cut.
+/// A line to be marked, not cut: where a plane cuts the part, or a curve of the model that lies on it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SectionLine {
-    /// Label beside it ("FR 12", "x=1200mm").
+pub struct MarkLine {
+    /// Label beside it ("FR 12", "x=1200mm"); empty for none.
     pub label: String,
     /// Corners of the line, at least two.
     pub points: Vec<Vec2>,
@@ -183,7 +183,9 @@ pub struct Pattern {
     /// Outlines of features formed into the sheet: not cut.
     pub formed: Vec<Contour>,
     /// Lines in which planes cut the part.
-    pub sections: Vec<SectionLine>,
+    pub sections: Vec<MarkLine>,
+    /// Curves of the model that lie on the part; points and texts are crosses of two lines.
+    pub curves: Vec<MarkLine>,
     /// Matching marks.
     pub marks: Vec<Mark>,
     /// Sides of the outer contour in order.
@@ -248,7 +250,7 @@ impl Pattern {
             };
             Bend { sense, turned: -b.turned, ..*b }
         };
-        let section = |s: &SectionLine| SectionLine { points: s.points.iter().map(flip).collect(), ..s.clone() };
+        let line = |s: &MarkLine| MarkLine { points: s.points.iter().map(flip).collect(), ..s.clone() };
         let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), ..m.clone() };
         Self {
             contours: self.contours.iter().map(contour).collect(),
@@ -257,7 +259,8 @@ impl Pattern {
             bends: self.bends.iter().map(bend).collect(),
             extents: self.extents.iter().map(|r| r.map(|p| flip(&p))).collect(),
             formed: self.formed.iter().map(contour).collect(),
-            sections: self.sections.iter().map(section).collect(),
+            sections: self.sections.iter().map(line).collect(),
+            curves: self.curves.iter().map(line).collect(),
             marks: self.marks.iter().map(mark).collect(),
             sides: self.sides.iter().rev().map(|s| Side { middle: flip(&s.middle), ..s.clone() }).collect(),
             ..self.clone()

@@ -168,6 +168,8 @@ pub struct WrittenPiece {
     pub formed: Vec<WrittenContour>,
     /// Lines in which planes cut the part.
     pub sections: Vec<Vec<Vec2>>,
+    /// Curves of the model that lie on the part.
+    pub curves: Vec<Vec<Vec2>>,
     /// Matching marks, from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
 }
@@ -180,7 +182,7 @@ impl WrittenPiece {
             WrittenContour::Circle { centre, .. } => vec![centre],
         });
         let lines = self.rulings.iter().chain(&self.extents).chain(&self.marks).flatten();
-        outlines.chain(lines).chain(self.sections.iter().flatten())
+        outlines.chain(lines).chain(self.sections.iter().chain(&self.curves).flatten())
     }
 }
 

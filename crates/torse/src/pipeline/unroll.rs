@@ -1,6 +1,7 @@
 //! The job of `torse unroll`: bodies of sheet and other developable faces as flat patterns.
 
 mod bodies;
+mod carried;
 mod covered;
 mod joined;
 mod options;
@@ -77,6 +78,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
         parts.par_iter_mut().map(|p| proven(p, &faces, options.tolerance, control)).unzip();
     let joints = joined(&mut parts, &through_panels);
+    let carried = carried::carry(&model.curves, (&mut parts, &through_panels), &faces, options.tolerance);
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
@@ -129,7 +131,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     if !touching.is_empty() {
         answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
     }
-    answer.notes.extend(notes(&parts, options).into_iter().chain(absent).map(Note::Unroll));
+    answer.notes.extend(notes(&parts, options).into_iter().chain(carried).chain(absent).map(Note::Unroll));
     answer.notes.extend(apart(&answer.patterns, options.tolerance));
     if let Some(tolerance) = options.approximate {
         let rest = (0..faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| faces[k].clone()).collect();

@@ -152,9 +152,11 @@ pub enum Drawn {
     Marks,
     /// Sections.
     Sections,
+    /// Curves of the model.
+    Curves,
     /// Joints of an outline.
     Joints,
-    /// Corners of a section.
+    /// Corners of a section or a curve.
     Corners,
 }
 

@@ -176,3 +176,34 @@ fn circles_of_references_end() {
     assert_eq!(m.faces.len(), 1);
     assert!(m.skipped.iter().any(|s| why(&s.reason).contains("contains itself")), "{:?}", m.skipped);
 }
+
+/// Curves and points that nothing is made of stand beside the faces, where copies put them; edges, hidden curves and those of drawings
+/// do not.
+#[test]
+fn curves_that_nothing_is_made_of_stand_beside_the_faces() {
+    use torse::brep::free_curve::FreeShape;
+    let mut f = File::new();
+    f.rectangle(entry(144), 4.0, 3.0);
+    f.add(Entry { label: "SCRIBE", ..entry(110) }, "1.,1.,0.,2.,1.,0.");
+    f.add(Entry { status: "01000000", ..entry(110) }, "1.,1.,0.,3.,1.,0.");
+    f.add(Entry { status: "00000100", ..entry(110) }, "1.,1.,0.,3.,1.,0.");
+    f.add(entry(116), "2.,2.,0.,0");
+    let inside = f.add(Entry { status: "00010000", ..entry(110) }, "0.,0.,0.,1.,0.,0.");
+    let part = f.add(entry(308), &format!("0,4Hpart,1,{inside}"));
+    f.add(entry(408), &format!("{part},10.,0.,0.,2."));
+    let model = read::read(&f.bytes()).expect("a model");
+    assert_eq!(model.faces.len(), 1);
+    let ends: Vec<[f64; 3]> = model
+        .curves
+        .iter()
+        .map(|c| match &c.shape {
+            FreeShape::Curve(pieces) => {
+                let end = pieces[0].point(pieces[0].knots.domain().1);
+                [end[0], end[1], end[2]]
+            }
+            FreeShape::Point(x) => [x.x, x.y, x.z],
+        })
+        .collect();
+    assert_eq!(ends.len(), 3, "{:?}", model.curves);
+    assert!([[12.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 2.0, 0.0]].iter().all(|e| ends.contains(e)), "{ends:?}");
+}

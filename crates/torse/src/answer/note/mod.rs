@@ -23,7 +23,7 @@ pub(crate) use loft::{EndNote, ExactPiece, Leads, LoftNote};
 pub use net::{NetNote, Quality, Route};
 pub(crate) use shop::{LeastRadius, OffsetSide, ShopNote, TooTight};
 pub use shop::{Material, Sheet};
-pub(crate) use unroll::UnrollNote;
+pub(crate) use unroll::{OffFaces, UnrollNote};
 
 /// Something that people should know of the input or of the job.
 #[derive(Clone, Debug, PartialEq)]

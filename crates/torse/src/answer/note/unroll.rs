@@ -52,6 +52,27 @@ pub enum UnrollNote {
         /// Entity numbers of the sides.
         faces: Vec<u64>,
     },
+    /// Curves and points of the model that lie on faces are drawn on the flat patterns.
+    Carried {
+        /// How many curves.
+        curves: usize,
+        /// How many points and texts.
+        points: usize,
+        /// Greatest distance (mm) of them from the faces, measured.
+        distance: f64,
+        /// Greatest distance (mm) of the lines drawn from the images, measured.
+        deviation: f64,
+    },
+    /// Curves that run along outlines of parts, which are cut anyway.
+    AlongEdges {
+        /// What they are called.
+        curves: Vec<String>,
+    },
+    /// Curves and points that lie on no face that was laid flat, in whole or in part.
+    OffFaces {
+        /// Which.
+        curves: Vec<OffFaces>,
+    },
     /// Outlines of formed features that are not cut.
     Formed {
         /// Name of the part.
@@ -59,4 +80,17 @@ pub enum UnrollNote {
         /// How many.
         count: usize,
     },
+}
+
+/// A curve or a point that lies on no face, in whole or in part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OffFaces {
+    /// What it is called.
+    pub curve: String,
+    /// Length (mm) of what lies on no face, and of the whole, measured; 0 of points.
+    pub off: f64,
+    /// See `off`.
+    pub length: f64,
+    /// Greatest distance (mm) from the faces, measured.
+    pub farthest: f64,
 }

@@ -14,9 +14,10 @@ use crate::develop::map::Development;
 use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::chart::Chart;
+use crate::develop::unfold::part::PlacedChart;
 use crate::develop::unfold::region::Motion;
 use crate::develop::unfold::tree::{unfold, Joins, UnfoldOptions};
-use crate::geom::{Vec2, Vec3};
+use crate::geom::{BBox, Vec2, Vec3};
 use crate::spline::surface::Surface;
 use nalgebra::Matrix2;
 
@@ -47,9 +48,14 @@ pub struct PlacedPanel {
     pub panel: PanelPatch,
     map: Map,
     own: Motion,
+    /// The loops as polygons, and the box around the patch.
+    region: Vec<Vec<Vec2>>,
+    bounds: BBox,
     /// Images of the loops, after everything.
     flat: Vec<Vec<Vec2>>,
     seeds: Vec<([f64; 2], Vec2)>,
+    /// The seeds in space.
+    places: Vec<Vec3>,
     /// Sides of the loops in pieces that are nearly straight in space.
     border: Vec<BorderPiece>,
     /// By how much a place may lie beyond the patch and still be on it: ahead of and behind it in both parameters.
@@ -160,6 +166,8 @@ const BETWEEN: f64 = 0.37;
 const SEEDS: (usize, usize) = (40, 8);
 /// Pieces of a border, the nearest by their chords, of which the nearest place is looked for.
 const NEAREST_PIECES: usize = 4;
+/// Seeds, the nearest in space, from which the nearest place is looked for.
+const NEAREST_SEEDS: usize = 3;
 /// Steps of Newton's method.
 const STEPS: usize = 30;
 /// Share of the distance that is left after a step with which derivatives do for the next one, too.
@@ -219,7 +227,10 @@ fn slack(surface: &Surface) -> [[f64; 2]; 2] {
 impl PlacedPanel {
     fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
         let slack = slack(&panel.surface);
-        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new(), slack };
+        let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
+        let (region, bounds) = (panel.loops.iter().map(polygon).collect(), panel.surface.bbox());
+        let (flat, seeds, places, border) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut out = Self { panel, map, own, region, bounds, flat, seeds, places, border, slack };
         out.flat = out.images();
         out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -235,6 +246,7 @@ impl PlacedPanel {
                     b[0] + (b[1] - b[0]) * i as f64 / SEEDS.0 as f64,
                     b[2] + (b[3] - b[2]) * j as f64 / SEEDS.1 as f64,
                 ];
+                out.places.push(out.panel.surface.point(uv[0], uv[1]));
                 out.seeds.push((uv, out.own_flat(uv)));
             }
         }
@@ -352,9 +364,7 @@ impl PlacedPanel {
     }
 
     fn contains(&self, uv: [f64; 2]) -> bool {
-        let loops: Vec<Vec<Vec2>> =
-            self.panel.loops.iter().map(|l| l.iter().map(|p| Vec2::new(p[0], p[1])).collect()).collect();
-        inside(&loops, &Vec2::new(uv[0], uv[1]))
+        inside(&self.region, &Vec2::new(uv[0], uv[1]))
     }
 }
 
@@ -434,6 +444,23 @@ impl Atlas {
         Self::of(placed.collect())
     }
 
+    /// Faces where their charts have laid them.
+    ///
+    /// # Errors
+    /// No face.
+    pub(crate) fn placed<'a>(faces: impl Iterator<Item = (&'a Face, &'a PlacedChart)>) -> Result<Self, AtlasError> {
+        let placed = |(f, c): (&Face, &PlacedChart)| {
+            PlacedPanel::new(of_face(f), Map::Charted(Box::new(c.chart.clone())), c.motion)
+        };
+        Self::of(faces.map(placed).collect())
+    }
+
+    /// One panel where its development has laid it.
+    pub(crate) fn mapped(panel: PanelPatch, map: Development) -> Self {
+        let panels = vec![PlacedPanel::new(panel, Map::Developed(Box::new(map)), Motion::identity())];
+        Self { panels, mirrored: false, motion: Motion::identity(), alignment: 0.0 }
+    }
+
     fn of(panels: Vec<PlacedPanel>) -> Result<Self, AtlasError> {
         match panels.is_empty() {
             true => Err(AtlasError::Empty),
@@ -483,20 +510,42 @@ impl Atlas {
         self.panels[panel].inverse(&self.moved_back(q), self.size()).0
     }
 
+    /// The place of a point in space near another one on the same panel; `None` where that lies beyond its edges.
+    pub(crate) fn beside(&self, x: &Vec3, on: &OnPanel) -> Option<OnPanel> {
+        let panel = &self.panels[on.panel];
+        let at = refine(&panel.panel.surface, x, on.uv);
+        panel.contains(at.at).then_some(OnPanel { panel: on.panel, uv: at.at, off: at.distance })
+    }
+
     /// The nearest place on the panels of a point in space, within their edges.
     pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
+        self.within(x, f64::INFINITY)
+    }
+
+    /// The same on panels whose boxes are within `reach` (mm).
+    pub(crate) fn within(&self, x: &Vec3, reach: f64) -> Option<OnPanel> {
         let mut best: Option<OnPanel> = None;
-        for (panel, s) in self.panels.iter().enumerate() {
-            let mut starts: Vec<(f64, [f64; 2])> =
-                s.seeds.iter().map(|(uv, _)| ((s.panel.surface.point(uv[0], uv[1]) - x).norm_squared(), *uv)).collect();
-            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let away = |b: &BBox| (b.min - x).sup(&(x - b.max)).sup(&Vec3::zeros()).norm();
+        let mut order: Vec<(f64, usize)> = self.panels.iter().map(|s| away(&s.bounds)).zip(0..).collect();
+        order.retain(|o| o.0 <= reach);
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (least, panel) in order {
+            if best.is_some_and(|b| b.off < least) {
+                break;
+            }
+            let s = &self.panels[panel];
+            let mut starts: Vec<(f64, usize)> = s.places.iter().map(|p| (p - x).norm_squared()).zip(0..).collect();
+            let count = NEAREST_SEEDS.min(starts.len());
+            if count < starts.len() {
+                starts.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
+            }
             let mut offer = |uv: [f64; 2], off: f64| {
                 if best.is_none_or(|b| off < b.off) {
                     best = Some(OnPanel { panel, uv, off });
                 }
             };
-            for (_, start) in starts.iter().take(3) {
-                let at = refine(&s.panel.surface, x, *start);
+            for (_, start) in &starts[..count] {
+                let at = refine(&s.panel.surface, x, s.seeds[*start].0);
                 if s.contains(at.at) {
                     offer(at.at, at.distance);
                 }

@@ -11,7 +11,7 @@ use crate::develop::arcs::{arcs, rectangle_around, PlaneCurve};
 use crate::develop::unfold::outline::contour_area;
 use crate::geom::Vec2;
 use crate::num::quadrature::GAUSS_4;
-use crate::patchwork::pattern::{Contour, ContourVertex, Mark, Pattern, SectionLine, ViewSide};
+use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkLine, Pattern, ViewSide};
 
 /// The moves of the rulings of a part, for an offset of 1 mm towards the eye.
 struct Moves<'a, 'b> {
@@ -209,14 +209,14 @@ pub(crate) fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tole
         let d = shift(&((a + b) * 0.5));
         [a + d, b + d]
     };
-    let section =
-        |s: &SectionLine| SectionLine { points: s.points.iter().map(|p| p + shift(p)).collect(), ..s.clone() };
+    let marked = |s: &MarkLine| MarkLine { points: s.points.iter().map(|p| p + shift(p)).collect(), ..s.clone() };
     let rectangle = rectangle_around(&contours);
     Pattern {
         area: contours.iter().map(contour_area).sum(),
         rulings: pattern.rulings.iter().map(line).collect(),
         extents: pattern.extents.iter().map(line).collect(),
-        sections: pattern.sections.iter().map(section).collect(),
+        sections: pattern.sections.iter().map(marked).collect(),
+        curves: pattern.curves.iter().map(marked).collect(),
         marks: pattern.marks.iter().map(|m| Mark { point: m.point + shift(&m.point), ..m.clone() }).collect(),
         sides: Vec::new(),
         contour_error: pattern.contour_error + error,

@@ -9,7 +9,7 @@ use super::laid::{Laid, Spot};
 use super::roll::outlines;
 use crate::develop::refold::drawn::{distance, foot, inside, sides};
 use crate::geom::{Vec2, Vec3};
-use crate::patchwork::pattern::{Pattern, SectionLine};
+use crate::patchwork::pattern::{MarkLine, Pattern};
 
 /// A plane that marks panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ const SAME: f64 = 1e-7;
 
 /// Lines in which planes cut a part, inside its outline, in the order of the planes; chords keep within `tolerance` (mm) of
 /// the section, as far as the middle of every chord tells.
-pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], tolerance: f64) -> Vec<SectionLine> {
+pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], tolerance: f64) -> Vec<MarkLine> {
     let loops = outlines(pattern, laid.size());
     let mut out = Vec::new();
     for plane in planes {
@@ -53,7 +53,7 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
             middles.chain(l.iter().copied()).any(|p| distance(&loops, &p) > edge)
         };
         lines.retain(|l| long(l) && beside(l));
-        let line = |l: Vec<Vec2>| SectionLine { label: plane.label.clone(), points: simplified(&l, 0.5 * tolerance) };
+        let line = |l: Vec<Vec2>| MarkLine { label: plane.label.clone(), points: simplified(&l, 0.5 * tolerance) };
         out.extend(lines.into_iter().map(line));
     }
     out
@@ -172,7 +172,7 @@ fn join(lines: &mut Vec<Vec<Vec2>>, mut line: Vec<Vec2>, same: f64) {
 }
 
 /// The line with as few of its corners as keep within a distance (mm) of all of them, by halving at the farthest one.
-fn simplified(line: &[Vec2], tolerance: f64) -> Vec<Vec2> {
+pub(in crate::develop) fn simplified(line: &[Vec2], tolerance: f64) -> Vec<Vec2> {
     let mut kept = vec![false; line.len()];
     let mut open = vec![(0, line.len() - 1)];
     while let Some((a, b)) = open.pop() {

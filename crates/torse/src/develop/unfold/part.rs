@@ -5,7 +5,7 @@ use super::chart::Chart;
 use super::joints::{shared_edges, SharedEdge};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
 use super::region::{Motion, POINT};
-use super::sheet::{open, sheet, Sheet, ALIKE};
+use super::sheet::{open, sheet, Sheet, SheetError, ALIKE};
 use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
@@ -69,6 +69,8 @@ pub struct FlatPart {
     pub allowances: Vec<f64>,
     /// Entity numbers of sides of the sheet beside it that are not square to it.
     pub slanting: Vec<u64>,
+    /// The map of every face, whether it has a closed form or not.
+    pub places: Vec<PlacedChart>,
     /// Of a part that is one face its map.
     pub chart: Option<PlacedChart>,
     /// Edges that it shares with itself or a later part of its body; parts are counted within the body.
@@ -125,13 +127,25 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     let given = Body::new(faces.to_vec());
     let turned = oriented(&given);
     let body = turned.as_ref().map_or(given, |all| Body::new(all.iter().collect()));
-    let found = match options.surfaces {
-        true => open(&body),
+    let inside_out: Vec<Face>;
+    let (body, found) = match options.surfaces {
+        true => {
+            let found = open(&body);
+            (body, found)
+        }
         false => match sheet(&body) {
-            Ok(found) => found,
+            Ok(found) => (body, found),
             Err(e) => {
-                out.left.push((None, Unlaid::NoSheet(e.to_string())));
-                return out;
+                // Solids whose faces all look inwards have nothing opposite in their material.
+                inside_out = body.faces.iter().map(|f| turned_over(f)).collect();
+                let other = Body::new(inside_out.iter().collect());
+                let Some(found) =
+                    sheet(&other).ok().filter(|_| matches!(e, SheetError::NoThickness(ref d) if d.is_empty()))
+                else {
+                    out.left.push((None, Unlaid::NoSheet(e.to_string())));
+                    return out;
+                };
+                (other, found)
             }
         },
     };
@@ -172,6 +186,13 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     for edge in shared {
         out.parts[edge.parts[0].min(edge.parts[1])].shared.push(edge);
     }
+    out
+}
+
+/// A face that looks the other way.
+fn turned_over(face: &Face) -> Face {
+    let mut out = face.clone();
+    out.reversed = !face.reversed;
     out
 }
 
@@ -307,6 +328,7 @@ fn part(
         strips: piece.faces.iter().map(placed_strips).collect(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
         slanting: Vec::new(),
+        places: piece.faces.iter().map(|p| PlacedChart { chart: p.chart.clone(), motion: p.motion }).collect(),
         chart: match piece.faces.as_slice() {
             [only] => Some(PlacedChart { chart: only.chart.clone(), motion: only.motion }),
             _ => None,

@@ -49,9 +49,12 @@ pub(super) fn layout(pieces: &[FlatPiece]) -> String {
             let ((ax, ay), (bx, by)) = (place(a), place(b));
             let _ = write!(out, "M{ax:.2} {ay:.2}L{bx:.2} {by:.2}");
         }
-        if !piece.sections.is_empty() {
-            out.push_str("\"/><path class=\"section\" d=\"");
-            for line in &piece.sections {
+        for (class, lines) in [("section", &piece.sections), ("curve", &piece.curves)] {
+            if lines.is_empty() {
+                continue;
+            }
+            let _ = write!(out, "\"/><path class=\"{class}\" d=\"");
+            for line in lines {
                 for (i, p) in line.iter().filter(finite).enumerate() {
                     let (x, y) = place(p);
                     let _ = write!(out, "{}{x:.2} {y:.2}", if i == 0 { "M" } else { "L" });

@@ -22,10 +22,8 @@ const FARTHEST: f64 = 1e12;
 /// Types of objects that have faces, or may have: surfaces, polysurfaces, meshes, blocks, SubD, extrusions.
 const SHAPES: u32 = 0x0008 | 0x0010 | 0x0020 | 0x1000 | 0x4_0000 | 0x4000_0000;
 
-/// Types of objects that are curves, and of those that are text: annotations and dots.
-const CURVES: u32 = 0x0004;
-/// See [`CURVES`].
-const TEXTS: u32 = 0x0200 | 0x2000;
+/// Types of objects that are annotations: texts, dimensions, leaders.
+const TEXTS: u32 = 0x0200;
 
 /// What a job looks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +59,8 @@ pub(super) struct Occurrence {
 #[derive(Debug, Default)]
 pub(super) struct Uses {
     pub occurrences: Vec<Occurrence>,
+    /// Uses of curves, points and text dots where faces are wanted.
+    pub beside: Vec<Occurrence>,
     pub skipped: Vec<Skipped>,
     pub notes: Vec<String>,
 }
@@ -87,7 +87,7 @@ pub(super) fn uses(archive: &Archive, want: Want) -> Uses {
         named: HashSet::new(),
         steps: 0,
         hidden: HashSet::new(),
-        beside: [HashSet::new(), HashSet::new()],
+        texts: HashSet::new(),
         out: Uses::default(),
     };
     for (i, record) in archive.objects.iter().enumerate() {
@@ -106,17 +106,10 @@ pub(super) fn uses(archive: &Archive, want: Want) -> Uses {
             walk.hidden.len()
         ));
     }
-    let [curves, texts] = walk.beside.each_ref().map(HashSet::len);
-    let counted = |count: usize, what: &str| match count {
-        0 => None,
-        1 => Some(format!("1 {what}")),
-        n => Some(format!("{n} {what}s")),
-    };
-    let beside: Vec<String> = [counted(curves, "curve"), counted(texts, "text")].into_iter().flatten().collect();
-    if !beside.is_empty() {
+    if !walk.texts.is_empty() {
         walk.out.notes.push(format!(
-            "{} beside the faces of the archive are not read with these, and not carried to flat patterns; torse map carries curves of a DXF",
-            beside.join(" and ")
+            "{} annotations (texts, dimensions) are not read, and not carried to flat patterns; points, text dots and curves are",
+            walk.texts.len()
         ));
     }
     walk.out
@@ -131,8 +124,8 @@ struct Walk<'w, 'a> {
     /// Objects whose loss is named already.
     named: HashSet<usize>,
     hidden: HashSet<usize>,
-    /// Curves and texts where faces are wanted.
-    beside: [HashSet<usize>; 2],
+    /// Annotations where faces are wanted.
+    texts: HashSet<usize>,
     steps: usize,
     out: Uses,
 }
@@ -149,7 +142,8 @@ impl Walk<'_, '_> {
         let archive = self.archive;
         let Some(Ok(record)) = archive.objects.get(index) else { return };
         self.steps += 1;
-        if depth > DEEPEST || self.steps > MOST_STEPS || self.out.occurrences.len() >= MOST_USES {
+        if depth > DEEPEST || self.steps > MOST_STEPS || self.out.occurrences.len() + self.out.beside.len() >= MOST_USES
+        {
             return self.lost(index, format!("{} contains itself or too much", label(index, record)));
         }
         let (layer, shown) = self.layers.get(&record.attributes.layer).map_or(("", true), |l| (l.0.as_str(), l.1));
@@ -171,9 +165,11 @@ impl Walk<'_, '_> {
             _ if self.want != Want::Faces => return,
             Ok(Class::Mesh) => "meshes are not read as faces; torse fit reads them, or convert it to NURBS".into(),
             Ok(Class::SubD) => "SubD objects are not read; convert it to NURBS in Rhino (ToNURBS)".into(),
-            Ok(class) if class.is_curve() || record.kind & (CURVES | TEXTS) != 0 => {
-                let is_text = record.kind & TEXTS != 0;
-                self.beside[usize::from(is_text)].insert(index);
+            Ok(class) if class.is_curve() || matches!(class, Class::Point | Class::Dot) => {
+                return self.out.beside.push(Occurrence { object: index, placement: *placement, part });
+            }
+            _ if record.kind & TEXTS != 0 => {
+                self.texts.insert(index);
                 return;
             }
             Ok(Class::Other(id)) if of_kind => format!("objects of the unknown class {id} are not read"),

@@ -19,6 +19,8 @@ pub(super) enum Class {
     Mesh,
     SubD,
     InstanceRef,
+    Point,
+    Dot,
     /// Another class.
     Other(Uuid),
 }
@@ -28,7 +30,7 @@ const fn early(head: u64) -> Uuid {
     Uuid::of((head as u128) << 64 | 0xBFE5_0010_8301_22F0)
 }
 
-const NAMED: [(Uuid, Class); 24] = [
+const NAMED: [(Uuid, Class); 26] = [
     (early(0x4ED7_D4DD_E947_11D3), Class::NurbsCurve),
     (Uuid::of(0x5EAF_1119_0B51_11D4_BFFE_0010_8301_22F0), Class::NurbsCurve),
     (Uuid::of(0x76A7_09D5_1550_11D4_8000_0010_8301_22F0), Class::NurbsCurve),
@@ -53,6 +55,8 @@ const NAMED: [(Uuid, Class); 24] = [
     (early(0x4ED7_D4E4_E947_11D3), Class::Mesh),
     (Uuid::of(0xF09B_A4D9_455B_42C3_BA3B_E6CC_ACEF_853B), Class::SubD),
     (Uuid::of(0xF9CF_B638_B9D4_4340_87E3_C56E_7865_D96A), Class::InstanceRef),
+    (Uuid::of(0xC310_1A1D_F157_11D3_BFE7_0010_8301_22F0), Class::Point),
+    (Uuid::of(0x7419_8302_CDF4_4F95_9609_6D68_4F22_AB37), Class::Dot),
 ];
 
 impl Class {
@@ -83,6 +87,8 @@ impl Class {
             Self::Mesh => "mesh",
             Self::SubD => "SubD",
             Self::InstanceRef => "block",
+            Self::Point => "point",
+            Self::Dot => "text dot",
             Self::Other(_) => "object",
         }
     }

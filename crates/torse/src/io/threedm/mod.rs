@@ -5,6 +5,7 @@
 //! [`crate::brep::trim`]'s.
 
 mod archive;
+mod beside;
 mod blocks;
 mod brep;
 mod bytes;
@@ -69,6 +70,8 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     }
     let uses = blocks::uses(&archive, Want::Faces);
     notes.extend(uses.notes);
+    let (curves, lost) = beside::read(&archive, &uses.beside);
+    notes.extend(lost);
     let shapes = faces::shapes(&archive, &uses.occurrences);
     let mut skipped = uses.skipped;
     let objects = archive.objects.len();
@@ -85,7 +88,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     }
     let products = parts(&faces);
     let notes = notes.into_iter().map(Note::Input).collect();
-    Ok(Model { faces, skipped, unit: archive.unit.name, notes, products })
+    Ok(Model { faces, skipped, unit: archive.unit.name, notes, products, curves })
 }
 
 /// Names of the parts, in the order in which they appear.

@@ -25,7 +25,8 @@ fn back(faces: Vec<Face>) -> RefoldReport {
 
 /// The same with another tolerance, mm.
 fn back_within(faces: Vec<Face>, tolerance: f64) -> RefoldReport {
-    let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+    let model =
+        Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![], curves: vec![] };
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(tolerance) };
     let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
     let made: HashMap<String, Vec<u8>> =
@@ -47,7 +48,8 @@ fn all_within(report: &RefoldReport, panels: usize, bound: f64) {
 fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
     let (t, k, radius, slope, height, turn) = (2.0, 0.4, 20.0, 0.5_f64, 60.0, 1.8);
     let faces = rolled_cone(t, (radius, slope), height, turn);
-    let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+    let model =
+        Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![], curves: vec![] };
     let options = UnrollOptions { k: KFactor::Ansi(k), ..UnrollOptions::new(TOLERANCE) };
     let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
     let made: HashMap<String, Vec<u8>> =
@@ -147,7 +149,14 @@ fn surfaces_that_were_given_a_thickness_are_compared_with_their_neutral_fibre() 
     let (radius, t) = (50.0, 4.0);
     for side in [SheetSide::Inside, SheetSide::Middle, SheetSide::Outside] {
         let faces = vec![quarter(Vec3::zeros(), Vec3::z(), radius * Vec3::x(), 40.0)];
-        let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+        let model = Model {
+            faces,
+            skipped: vec![],
+            unit: "millimetre".into(),
+            notes: vec![],
+            products: vec![],
+            curves: vec![],
+        };
         let sheet = Some(Sheet { thickness: t, side, k: KFactor::Ansi(0.3) });
         let options = UnrollOptions { surfaces: true, sheet, ..UnrollOptions::new(TOLERANCE) };
         let mut answer = unroll(&model, &options, &Control::default()).expect("parts");

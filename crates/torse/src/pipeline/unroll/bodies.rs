@@ -1,5 +1,6 @@
 //! Bodies of a model, each unfolded for itself.
 
+use super::carried;
 use super::options::{UnrollError, UnrollOptions, UNFOLDED};
 use crate::answer::skipped::Skipped;
 use crate::brep::area::area_estimate;
@@ -115,6 +116,10 @@ pub fn groups(model: Model, count: usize, surfaces: Option<f64>) -> Vec<Model> {
     }
     let number = bodies.len().div_ceil(count.max(1));
     let mut out: Vec<Model> = (0..number).map(|_| like(&model)).collect();
+    let of_group: Vec<usize> = group.iter().map(|g| g.0).collect();
+    for (own, curves) in out.iter_mut().zip(carried::shared(&model, &of_group, number)) {
+        own.curves = curves;
+    }
     let put: Vec<(usize, String)> = group.into_iter().map(|(k, name)| (k, name.clone())).collect();
     if let Some(first) = out.first_mut() {
         (first.skipped, first.notes) = (model.skipped, model.notes);
@@ -134,6 +139,7 @@ fn like(model: &Model) -> Model {
         unit: model.unit.clone(),
         notes: Vec::new(),
         products: model.products.clone(),
+        curves: Vec::new(),
     }
 }
 

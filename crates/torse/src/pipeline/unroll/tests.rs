@@ -1,6 +1,7 @@
 //! Sheets and surfaces whose flat parts are known.
 
 mod bad;
+mod curves;
 mod given;
 mod joined;
 mod kinds;
@@ -410,6 +411,7 @@ fn model_of(faces: Vec<Face>) -> crate::io::model::Model {
         unit: "millimetre".into(),
         notes: Vec::new(),
         products: Vec::new(),
+        curves: Vec::new(),
     }
 }
 
@@ -641,7 +643,14 @@ fn groups_of_bodies_keep_every_face_and_the_names_of_the_whole() {
     };
     let faces = vec![face("a", 1), face("b", 2), face("a", 3), face("a", 1), face("c", 4)];
     let (skipped, notes) = (Vec::new(), Vec::new());
-    let model = crate::io::model::Model { faces, skipped, notes, unit: String::new(), products: vec!["whole".into()] };
+    let model = crate::io::model::Model {
+        faces,
+        skipped,
+        notes,
+        unit: String::new(),
+        products: vec!["whole".into()],
+        curves: vec![],
+    };
     let made = super::groups(model, 2, None);
     let named = |k: usize| made[k].faces.iter().map(|f| (f.part.as_str(), f.body)).collect::<Vec<_>>();
     assert_eq!(made.len(), 2);

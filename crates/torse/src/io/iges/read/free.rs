@@ -1,19 +1,16 @@
 //! Free curves of an IGES file, in millimetres, for jobs that start from curves.
 
+use super::beside::pieces;
 use super::curves::{is_curve, Geometry};
 use super::records::{Fault, Records};
 use super::sections::Sections;
+use super::walk::is_model_curve;
 use super::{records, walk, ReadError};
-use crate::brep::ruled::spline_of;
 use crate::io::step::read::edges::EdgeCurve;
-use crate::spline::curve::Curve;
 use std::collections::HashMap;
 
 /// Types of entities that only gather others.
 const GATHERING: [u32; 5] = [308, 320, 402, 408, 420];
-/// Purposes of curves that are none of the model: annotation, and parameter planes.
-const NOT_MODEL: [u32; 2] = [1, 5];
-
 /// All curves of an IGES file that nothing is made of; where there are none, the edges of its faces. Curves in parts
 /// that are copied are read once, as they stand.
 ///
@@ -52,9 +49,7 @@ pub fn curves(bytes: &[u8]) -> Result<Vec<EdgeCurve>, ReadError> {
 fn loose(records: &Records, users: &HashMap<u64, Vec<u32>>) -> Vec<u64> {
     records
         .all()
-        .filter(|e| is_curve(e.kind) && !NOT_MODEL.contains(&e.purpose))
-        // Points and marks of drawings are copious data too.
-        .filter(|e| e.kind != 106 || matches!(e.form, 11..=13 | 63))
+        .filter(|e| is_model_curve(e))
         .filter(|e| users.get(&e.number).is_none_or(|u| u.iter().all(|k| GATHERING.contains(k))))
         .map(|e| e.number)
         .collect()
@@ -81,18 +76,4 @@ fn edges(records: &Records) -> Vec<u64> {
     let mut met = std::collections::HashSet::new();
     out.retain(|id| met.insert(*id));
     out
-}
-
-/// The pieces of a curve as splines in the direction of travel, mm.
-fn pieces(geometry: &Geometry, id: u64) -> Result<Vec<Curve<4>>, Fault> {
-    let unit = geometry.records.global.millimetres;
-    let scaled = |h: &[f64; 4]| [h[0] * unit, h[1] * unit, h[2] * unit, h[3]];
-    geometry
-        .path(id, 0)?
-        .iter()
-        .map(|(id, arc)| {
-            let spline = spline_of(arc).map_err(|e| Fault::new(*id, e.to_string()))?;
-            Ok(Curve { control: spline.control.iter().map(scaled).collect(), knots: spline.knots })
-        })
-        .collect()
 }

@@ -5,6 +5,7 @@
 //! [`crate::brep::trim`]'s. Entities are named by the sequence number of their first line in the directory (`D5`),
 //! always an odd number.
 
+mod beside;
 mod boundary;
 mod curves;
 mod faces;
@@ -119,8 +120,9 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         let (entity, reason) = first.map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), why(&s.reason)));
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
-    let notes = notes.into_iter().map(Note::Input).collect();
-    Ok(Model { faces, skipped, unit: records.global.unit.clone(), notes, products: census.parts })
+    let (curves, lost) = beside::read(&Geometry { records: &records }, &census.beside);
+    let notes = notes.into_iter().chain(lost).map(Note::Input).collect();
+    Ok(Model { faces, skipped, unit: records.global.unit.clone(), notes, products: census.parts, curves })
 }
 
 /// The entities of a file.

@@ -1,5 +1,6 @@
 //! The way through a file: from entities that no other refers to, down to the uses of faces.
 
+use super::curves::is_curve;
 use super::faces::is_face;
 use super::placing;
 use super::records::DEEPEST;
@@ -28,6 +29,8 @@ pub(super) struct Occurrence {
 pub(super) struct Census {
     /// In the order of the directory.
     pub occurrences: Vec<Occurrence>,
+    /// Uses of curves and points that nothing is made of.
+    pub beside: Vec<Occurrence>,
     /// Entities that could not be followed.
     pub faults: Vec<Fault>,
     /// Remarks on the file as a whole.
@@ -123,6 +126,16 @@ pub(super) fn census(records: &Records) -> Census {
         ));
     }
     walk.out
+}
+
+/// Purposes of curves that are none of the model: annotation, and parameter planes.
+const NOT_MODEL: [u32; 2] = [1, 5];
+/// Type of points.
+pub(super) const POINT: u32 = 116;
+
+/// Whether an entity is a curve of the model: points and marks of drawings are copious data too.
+pub(super) fn is_model_curve(e: &Entry) -> bool {
+    is_curve(e.kind) && !NOT_MODEL.contains(&e.purpose) && (e.kind != 106 || matches!(e.form, 11..=13 | 63))
 }
 
 /// Forms of associativities that are groups.
@@ -261,7 +274,7 @@ fn loss(kind: u32) -> Option<&'static str> {
 impl Walk<'_> {
     fn entity(&mut self, id: u64, here: Here) {
         self.steps += 1;
-        let full = self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES;
+        let full = self.steps > MOST_STEPS || self.out.occurrences.len() + self.out.beside.len() > MOST_OCCURRENCES;
         if here.depth > DEEPEST || full {
             if self.out.faults.last().is_none_or(|f| f.entity != id) {
                 self.out.faults.push(Fault::new(id, format!("D{id} contains itself or too much")));
@@ -292,6 +305,16 @@ impl Walk<'_> {
             if self.first_time(id, here) {
                 let Here { flipped, part, body, .. } = here;
                 self.out.occurrences.push(Occurrence { face: id, flipped, part: part.to_string(), placement, body });
+            }
+            return Ok(());
+        }
+        if is_model_curve(e) || (e.kind == POINT && e.purpose == 0) {
+            // Marks of drawings and helping lines are switched off.
+            if !e.blanked && self.first_time(id, here) {
+                let Here { flipped, part, body, .. } = here;
+                // Curves are read with the transformation of their own.
+                let (part, placement) = (part.to_string(), *here.placement);
+                self.out.beside.push(Occurrence { face: id, flipped, part, placement, body });
             }
             return Ok(());
         }

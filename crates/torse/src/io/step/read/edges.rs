@@ -1,15 +1,14 @@
 //! Edges and free curves of a STEP file, in millimetres, for jobs that start from curves.
 
-use super::curves::{Geometry, ResolvedCurve};
+use super::beside::{pieces, whole};
+use super::curves::Geometry;
 use super::records::{Fault, Records};
 use super::topology::ParameterPlane;
 use super::{decoded, foreign, product, units, ReadError};
-use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::unroll;
+use crate::brep::space_curve::Arc;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
-use crate::spline::knots::SAME_PARAMETER;
 use std::collections::HashMap;
 
 /// A curve of a file.
@@ -149,39 +148,4 @@ fn placed(c: &Curve<4>, place: &Placement) -> Curve<4> {
         [p.x, p.y, p.z, h[3]]
     };
     Curve { knots: c.knots.clone(), control: c.control.iter().map(moved).collect() }
-}
-
-/// A curve as a path: bounded curves as they are.
-fn whole(id: u64, curve: ResolvedCurve) -> Result<Vec<Arc>, Fault> {
-    match curve {
-        ResolvedCurve::Path(path) => Ok(path),
-        ResolvedCurve::Basis(curve, _) => match curve.domain() {
-            Some((from, to)) => Ok(vec![Arc { curve, from, to }]),
-            None => Err(Fault::new(id, format!("#{id} is an endless curve"))),
-        },
-    }
-}
-
-/// The pieces of a path as splines in the direction of travel.
-fn pieces(id: u64, path: &[Arc]) -> Result<Vec<Curve<4>>, Fault> {
-    path.iter()
-        .filter(|a| a.from != a.to)
-        .map(|arc| {
-            let (lo, hi) = (arc.from.min(arc.to), arc.from.max(arc.to));
-            let spline = match &arc.curve {
-                SpaceCurve::Spline(c) => {
-                    let (a, b) = c.domain();
-                    let hair = SAME_PARAMETER * (b - a);
-                    if lo >= a - hair && hi <= b + hair {
-                        c.restricted(lo.max(a), hi.min(b))
-                    } else {
-                        unroll::curve(c, (lo, hi))
-                    }
-                }
-                other => other.to_spline(lo, hi).map(|c| c.0),
-            };
-            let spline = spline.map_err(|e| Fault::new(id, e.to_string()))?;
-            Ok(if arc.to < arc.from { spline.reversed() } else { spline })
-        })
-        .collect()
 }

@@ -1,5 +1,6 @@
 //! What the items of a representation hold: shells, solids, sets of surfaces, and copies of other representations.
 
+use super::beside::POINT;
 use super::records::{as_reference, Args, Fault, Record};
 use super::token::Value;
 use super::topology::may_be_face;
@@ -36,7 +37,15 @@ impl<'r, 'a> Walk<'r, 'a> {
                 self.members(a.references(1)?, Here { of_faces: true, ..here });
                 Ok(())
             }
-            "GEOMETRIC_SET" | "SHELL_BASED_WIREFRAME_MODEL" => {
+            "GEOMETRIC_SET" | "GEOMETRIC_CURVE_SET" => {
+                let (curves, others) = a.references(1)?.into_iter().partition(|m| self.is_curve(*m));
+                self.members(others, here);
+                for curve in curves {
+                    self.lies_beside(curve, here);
+                }
+                Ok(())
+            }
+            "SHELL_BASED_WIREFRAME_MODEL" => {
                 self.members(a.references(1)?, here);
                 Ok(())
             }
@@ -79,6 +88,22 @@ impl<'r, 'a> Walk<'r, 'a> {
         let Here { flipped, units, placement, part, .. } = here;
         let (part, placement, body) = (part.to_string(), *placement, self.body);
         self.out.occurrences.push(Occurrence { face, flipped, units, part, placement, body });
+    }
+
+    /// Whether a member of a set is a curve or a point.
+    fn is_curve(&self, id: u64) -> bool {
+        let Ok(record) = self.records.get(id) else { return false };
+        let name = record.name();
+        name == POINT || CURVES.contains(&name) || name.ends_with("_CURVE") || record.part("B_SPLINE_CURVE").is_some()
+    }
+
+    /// One use of a curve or a point of a set.
+    fn lies_beside(&mut self, curve: u64, here: Here) {
+        let Here { flipped, units, placement, part, .. } = here;
+        let (part, placement, body) = (part.to_string(), *placement, self.body);
+        if self.out.beside.len() < MOST_OCCURRENCES {
+            self.out.beside.push(Occurrence { face: curve, flipped, units, part, placement, body });
+        }
     }
 
     /// A face of topology.
@@ -213,6 +238,9 @@ fn shells(id: u64, record: &Record, a: &Args) -> Result<Vec<u64>, Fault> {
     }
     Ok(shells)
 }
+
+/// Curves whose names do not end so.
+const CURVES: [&str; 5] = ["LINE", "CIRCLE", "ELLIPSE", "POLYLINE", "B_SPLINE_CURVE_WITH_KNOTS"];
 
 /// Solids of constructive geometry.
 const PRIMITIVES: [&str; 11] = [

@@ -4,6 +4,7 @@
 //! every face that is lost is named with the reason. Knows the format; the geometry of trimming is
 //! [`crate::brep::trim`]'s.
 
+mod beside;
 mod curves;
 pub mod edges;
 mod extruded;
@@ -136,8 +137,9 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         let reason = std::iter::once(reason).chain(damage(&records)).collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
-    let notes = notes.into_iter().map(Note::Input).collect();
-    Ok(Model { faces, skipped, unit, notes, products: census.products })
+    let (curves, lost) = beside::read(&records, &census);
+    let notes = notes.into_iter().chain(lost).map(Note::Input).collect();
+    Ok(Model { faces, skipped, unit, notes, products: census.products, curves })
 }
 
 /// UTF-8 where it is, else Latin-1, which never fails.

@@ -27,6 +27,8 @@ pub(super) struct Occurrence {
 pub(super) struct Census {
     /// In the order of the representations.
     pub occurrences: Vec<Occurrence>,
+    /// Uses of curves and points of sets.
+    pub beside: Vec<Occurrence>,
     /// Units of the contexts met.
     pub units: Vec<Units>,
     /// Items that could not be followed.

@@ -4,6 +4,7 @@ use super::super::bytes::checksum;
 use super::super::{free_curves, meshes, read, ReadError};
 use super::specimens::*;
 use super::{area, corners, model, near, normal};
+use crate::brep::free_curve::{FreeCurve, FreeShape};
 use crate::brep::raw::SurfaceKind;
 use crate::geom::Vec3;
 use crate::io::words;
@@ -159,10 +160,26 @@ fn curves_are_read_as_jobs_want_them() {
     // Without curves, the edges.
     let v = [[0., 0.], [4., 0.], [4., 3.]];
     let face = plane_face(4, &v, &[Ring { corners: &[0, 1, 2], outer: true }], false, true);
-    // Beside faces curves are counted, and said not to be carried.
-    let beside = vec![Item::new(BREP_TYPE, BREP, face.clone()), Item::new(CURVE_TYPE, LINE, Out::new(4))];
+    // Beside faces there are curves, points and dots; those that are damaged are named.
+    let mut line = Out::new(4);
+    line.u8(0x10).nums(&[0., 1., 0., 4., 3., 0.]).nums(&[0., 1.]).ints(&[3]);
+    let (mut point, mut dot) = (Out::new(4), Out::new(4));
+    point.u8(0x10).nums(&[1., 2., 0.]);
+    dot.u8(0x11).nums(&[3., 1., 0.]).ints(&[14]).text("fold here");
+    let beside = vec![
+        Item::new(BREP_TYPE, BREP, face.clone()),
+        Item::new(CURVE_TYPE, LINE, Out::new(4)),
+        Item { name: "cut", ..Item::new(CURVE_TYPE, LINE, line) },
+        Item::new(1, POINT, point),
+        Item::new(0x2000, DOT, dot),
+    ];
     let model = read(&Specimen::new(4, beside).bytes()).expect("a face");
-    assert!(model.notes.iter().any(|n| words::note(n).starts_with("1 curve beside the faces")), "{:?}", model.notes);
+    assert!(model.notes.iter().any(|n| words::note(n).starts_with("object 2 (curve")), "{:?}", model.notes);
+    let called: Vec<String> = model.curves.iter().map(FreeCurve::called).collect();
+    assert_eq!(called, ["object 3 'cut'", "object 4", "object 5 'fold here'"]);
+    assert_eq!(model.curves[1].shape, FreeShape::Point(Vec3::new(1.0, 2.0, 0.0)));
+    let FreeShape::Curve(pieces) = &model.curves[0].shape else { panic!("a curve") };
+    assert_eq!(pieces[0].point(pieces[0].domain().1)[..2], [4.0, 3.0]);
     let (found, _) =
         free_curves::curves(&Specimen::new(4, vec![Item::new(BREP_TYPE, BREP, face)]).bytes()).expect("edges");
     assert_eq!(found.iter().map(|c| c.label.as_str()).collect::<Vec<_>>(), ["1.1", "1.2", "1.3"]);

@@ -1,7 +1,7 @@
 //! Sentences on flat parts.
 
 use super::super::numbers::length;
-use crate::answer::note::UnrollNote;
+use crate::answer::note::{OffFaces, UnrollNote};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::tree::CutReason;
 
@@ -45,6 +45,39 @@ pub(super) fn words(note: &UnrollNote) -> String {
              the skin that is drawn, and says nothing of {}.",
             listed(faces.iter().map(|f| format!("#{f}")))
         ),
+        UnrollNote::Carried { curves, points, distance, deviation } => {
+            let counted = |n: usize, one: &str| match n {
+                0 => None,
+                1 => Some(format!("1 {one}")),
+                n => Some(format!("{n} {one}s")),
+            };
+            let what: Vec<String> =
+                [counted(*curves, "curve"), counted(*points, "point")].into_iter().flatten().collect();
+            format!(
+                "On the flat patterns, to be marked (layer MARK_CURVE): {} of the model, at most {} from the faces; the lines \
+                 keep within {} of their images. Both are measured.",
+                what.join(" and "),
+                length(*distance),
+                length(*deviation)
+            )
+        }
+        UnrollNote::AlongEdges { curves } => {
+            format!("Not marked, as they run along outlines, which are cut: {}.", listed(curves.iter().cloned()))
+        }
+        UnrollNote::OffFaces { curves } => {
+            let told = |c: &OffFaces| match c.length {
+                0.0 => format!("{} ({} away)", c.curve, length(c.farthest)),
+                whole if c.off < whole => format!(
+                    "{} ({} of {}, up to {} away)",
+                    c.curve,
+                    length(c.off),
+                    length(whole),
+                    length(c.farthest)
+                ),
+                _ => format!("{} (up to {} away)", c.curve, length(c.farthest)),
+            };
+            format!("Curves and points that lie on no face laid flat here: {}.", listed(curves.iter().map(told)))
+        }
         UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
     }
 }

@@ -76,6 +76,7 @@ fn drawn(what: Drawn) -> &'static str {
         Drawn::Rulings => "rulings",
         Drawn::Marks => "marks",
         Drawn::Sections => "sections",
+        Drawn::Curves => "curves of the model",
         Drawn::Joints => "joints of an outline",
         Drawn::Corners => "corners of a section",
     }

@@ -8,7 +8,7 @@ use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::develop::map::Development;
 use crate::develop::outline::FlatCoedge;
-use crate::develop::unfold::specimens::round_surface;
+use crate::develop::unfold::specimens::{round_surface, BentSheet, Stretch};
 use crate::geom::Vec3;
 use crate::tessellate::panel::panel_mesh;
 use std::f64::consts::PI;
@@ -94,4 +94,16 @@ fn every_kind_of_ruled_face_has_its_panel() {
             near(answer.patchwork.panels[0].face().map_or(9.0, |f| f as f64), 0.0);
         }
     }
+}
+
+/// A solid whose faces all look inwards is the same sheet.
+#[test]
+fn a_solid_that_is_inside_out_is_laid_flat_all_the_same() {
+    let stretches = [Stretch::Line(40.0), Stretch::Bend(1.0, 3.0), Stretch::Line(20.0)];
+    let mut faces = BentSheet::new(2.0, &stretches, &[0.0, 9.0], &[]).faces();
+    let right = super::only(&faces, super::flat(&faces, 0.44));
+    faces.iter_mut().for_each(|f| f.reversed = !f.reversed);
+    let turned = super::only(&faces, super::flat(&faces, 0.44));
+    assert!((turned.pattern.area - right.pattern.area).abs() < 1e-9 * right.pattern.area);
+    assert!(turned.sheet.turned.iter().all(|t| *t) && !right.sheet.turned.iter().any(|t| *t));
 }

@@ -1,0 +1,296 @@
+//! Curves of the model that lie on the faces of a part, as lines on its flat pattern.
+//!
+//! *Method*. A curve is followed from point to point, each pulled to the nearest place of the faces within their edges and from
+//! there mapped to the plane by the maps that laid the part flat. Where it leaves the faces, and where its image leaps because
+//! the part is cut open there, its ends are found by halving; between them chords are halved until they keep to a distance.
+//! Everything here is measured, not proven.
+
+use super::refold::atlas::{Atlas, OnPanel};
+use super::refold::drawn::{distance, foot};
+use super::shop::roll::outlines;
+use super::shop::sections::{clipped, simplified};
+use crate::geom::{BBox, Vec2, Vec3};
+use crate::patchwork::pattern::Pattern;
+use crate::spline::curve::Curve;
+use crate::torse::rail::{jet, span_length};
+
+/// A part that curves are carried to.
+pub(crate) struct Target {
+    atlas: Atlas,
+    bounds: BBox,
+    /// Outlines of its pattern as polygons, and how far (mm) these may be off.
+    loops: Vec<Vec<Vec2>>,
+    rough: f64,
+    /// Distance (mm) that images on both sides of a sharp bend may be apart.
+    leap: f64,
+}
+
+/// A curve as it is followed: its parameter is the number of the piece and a share of its domain.
+pub(crate) struct Path<'a> {
+    pieces: &'a [Curve<4>],
+    at: Vec<f64>,
+    bounds: BBox,
+}
+
+/// How curves are carried over.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CarryOptions {
+    /// Distance (mm) within which a point is on a face; no default.
+    pub within: f64,
+    /// Distance (mm) of lines drawn from the images of curves; no default.
+    pub chord: f64,
+}
+
+/// What a curve leaves on a part.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Carried {
+    /// Its lines, mm.
+    pub lines: Vec<Vec<Vec2>>,
+    /// Whether it has stretches along the outline, which are none of these: they are cut anyway.
+    pub along_edge: bool,
+    /// Greatest distance (mm) of its points from the faces, and of the lines from its image, measured.
+    pub distance: f64,
+    /// See `distance`.
+    pub deviation: f64,
+    /// Which points of the path lie on the part.
+    pub on: Vec<bool>,
+}
+
+/// A point of a path, and its place on a part.
+#[derive(Clone, Copy)]
+struct Spot {
+    s: f64,
+    x: Vec3,
+    place: Option<(OnPanel, Vec2)>,
+}
+
+/// Steps over the extent of a curve, and on every span of its knots at least and at most.
+const STEPS: f64 = 48.0;
+/// See [`STEPS`].
+const PER_SPAN: (usize, usize) = (2, 400);
+/// Halvings with which ends are found: what doubles can tell.
+const HALVINGS: usize = 48;
+/// Points of one curve on one part that are looked for between its first ones at most.
+const MOST: usize = 20_000;
+/// Halvings of a chord at most.
+const DEEPEST: usize = 20;
+/// Shares of a chord at which it is compared with the image.
+const BETWEEN: [f64; 3] = [0.27, 0.5, 0.73];
+/// Factor by which an image may be longer than the curve where nothing is cut: the neutral fibre of a tight bend is longer than
+/// its inside.
+const STRETCH: f64 = 4.0;
+/// Distance from the outline within which a line runs along it, against what both may be off.
+const ALONG: f64 = 2.0;
+/// Length against the distance within which points are on a face below which lines are no more than where a curve comes through a
+/// face or to a cut.
+const STUB: f64 = 10.0;
+/// Half the length of the lines of a cross against the part's length.
+const ARM: f64 = 0.01;
+
+impl<'a> Path<'a> {
+    /// Pieces of a curve, in order.
+    pub fn new(pieces: &'a [Curve<4>]) -> Self {
+        let place = |h: &[f64; 4]| Vec3::new(h[0], h[1], h[2]) / h[3];
+        let points: Vec<Vec3> = pieces.iter().flat_map(|c| c.control.iter().map(place)).collect();
+        let bounds = BBox::of(&points);
+        let step = bounds.diagonal() / STEPS;
+        let mut at = Vec::new();
+        for (k, c) in pieces.iter().enumerate() {
+            let (from, to) = c.knots.domain();
+            for w in c.knots.breaks().windows(2) {
+                let parts = ((span_length(c, w[0], w[1]) / step).ceil() as usize).clamp(PER_SPAN.0, PER_SPAN.1);
+                let share = |i: usize| (w[0] + (w[1] - w[0]) * i as f64 / parts as f64 - from) / (to - from);
+                at.extend((0..parts).map(|i| k as f64 + share(i)));
+            }
+        }
+        at.push(pieces.len() as f64);
+        Self { pieces, at, bounds }
+    }
+
+    fn point(&self, s: f64) -> Vec3 {
+        let k = (s.floor() as usize).min(self.pieces.len().saturating_sub(1));
+        let (from, to) = self.pieces[k].knots.domain();
+        jet(&self.pieces[k], from + (to - from) * (s - k as f64).clamp(0.0, 1.0))[0]
+    }
+
+    /// The points by which it is followed first.
+    pub fn points(&self) -> Vec<Vec3> {
+        self.at.iter().map(|s| self.point(*s)).collect()
+    }
+}
+
+impl Target {
+    /// A part with its maps, and by how much (mm) its faces are apart in the plane along sharp bends.
+    pub fn new(atlas: Atlas, pattern: &Pattern, leap: f64) -> Self {
+        let mut bounds = BBox::empty();
+        for b in atlas.panels.iter().map(|s| s.panel.surface.bbox()) {
+            bounds.include(&b.min);
+            bounds.include(&b.max);
+        }
+        let size = pattern.length.max(pattern.area.sqrt());
+        Self { atlas, bounds, loops: outlines(pattern, size), rough: pattern.contour_error.max(0.0), leap }
+    }
+
+    /// Distance (mm) of a point from the box around the part.
+    pub fn away(&self, x: &Vec3) -> f64 {
+        (self.bounds.min - x).sup(&(x - self.bounds.max)).sup(&Vec3::zeros()).norm()
+    }
+
+    /// Distance (mm) of a point from the part.
+    pub fn distance(&self, x: &Vec3) -> f64 {
+        self.atlas.from_space(x).map_or(f64::INFINITY, |on| on.off)
+    }
+
+    /// A point as a cross of two lines on the pattern, as far as these are inside it, and its distance (mm) from the part; `None`
+    /// where it lies on no face.
+    pub fn cross(&self, x: &Vec3, within: f64) -> Option<(Vec<Vec<Vec2>>, f64)> {
+        let (on, p) = self.spot(0.0, *x, None, within).place?;
+        let all = self.loops.iter().flatten();
+        let (low, high) = all.fold((p, p), |(l, h), q| (l.inf(q), h.sup(q)));
+        let arm = ARM * (high - low).norm();
+        let line = |d: Vec2| clipped(&[p - d, p + d], &self.loops);
+        Some(([line(Vec2::new(arm, 0.0)), line(Vec2::new(0.0, arm))].concat(), on.off))
+    }
+
+    /// The lines of a curve.
+    pub fn carried(&self, path: &Path, options: &CarryOptions) -> Carried {
+        let gap = (self.bounds.min - path.bounds.max).sup(&(path.bounds.min - self.bounds.max)).max();
+        if gap > options.within {
+            return Carried { on: vec![false; path.at.len()], ..Carried::default() };
+        }
+        let mut spots: Vec<Spot> = Vec::with_capacity(path.at.len());
+        for s in &path.at {
+            let before = spots.last().copied();
+            spots.push(self.spot(*s, path.point(*s), before.as_ref(), options.within));
+        }
+        let mut walk = Walk { target: self, path, options, lines: vec![Vec::new()], left: MOST };
+        for w in spots.windows(2) {
+            walk.stretch(&w[0], &w[1], 0);
+        }
+        let mut out = Carried { on: spots.iter().map(|s| s.place.is_some()).collect(), ..Carried::default() };
+        for line in walk.lines.iter().filter(|l| l.len() > 1) {
+            let fine: Vec<Vec2> = line.iter().filter_map(|s| s.place.map(|p| p.1)).collect();
+            let edge = ALONG * (options.within + self.rough);
+            let is_stub = fine.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() <= STUB * options.within;
+            if is_stub && (walk.lines.len() > 1 || !out.on.iter().all(|on| *on)) {
+                continue;
+            }
+            if fine.iter().all(|p| distance(&self.loops, p) <= edge) {
+                out.along_edge = true;
+                continue;
+            }
+            let off = line.iter().filter_map(|s| s.place.map(|p| p.0.off)).fold(0.0, f64::max);
+            let drawn = simplified(&fine, options.chord);
+            out.distance = out.distance.max(off);
+            out.deviation = out.deviation.max(deviation(&fine, &drawn));
+            out.lines.push(drawn);
+        }
+        out
+    }
+
+    /// The place of a point, near that of the point before where that is near enough.
+    fn spot(&self, s: f64, x: Vec3, before: Option<&Spot>, within: f64) -> Spot {
+        let near = before.and_then(|b| self.atlas.beside(&x, &b.place?.0)).filter(|on| on.off <= within);
+        let on = near.or_else(|| self.atlas.within(&x, within).filter(|on| on.off <= within));
+        Spot { s, x, place: on.map(|on| (on, self.atlas.flat(&on))) }
+    }
+}
+
+/// Greatest distance (mm) of a line's points from one that keeps some of them, its first and last among these.
+fn deviation(fine: &[Vec2], kept: &[Vec2]) -> f64 {
+    let mut at = 0;
+    let mut worst = 0.0_f64;
+    for p in fine {
+        if at + 2 < kept.len() && *p == kept[at + 1] {
+            at += 1;
+        }
+        if let [a, b] = kept[at..(at + 2).min(kept.len())] {
+            worst = worst.max((p - foot(&a, &b, p)).norm());
+        }
+    }
+    worst
+}
+
+/// A curve on its way over a part: the last of the lines is still open.
+struct Walk<'w, 'a> {
+    target: &'w Target,
+    path: &'w Path<'a>,
+    options: &'w CarryOptions,
+    lines: Vec<Vec<Spot>>,
+    /// Points that may still be looked for: where images leap to and fro no halving ends.
+    left: usize,
+}
+
+impl Walk<'_, '_> {
+    fn at(&mut self, s: f64, near: &Spot) -> Spot {
+        self.left = self.left.saturating_sub(1);
+        self.target.spot(s, self.path.point(s), Some(near), self.options.within)
+    }
+
+    /// Whether the image goes on from one point to another.
+    fn goes_on(&self, a: &Spot, b: &Spot) -> bool {
+        let (Some(p), Some(q)) = (a.place, b.place) else { return false };
+        let slack = self.target.leap + STRETCH * self.options.within;
+        (p.1 - q.1).norm() <= STRETCH * (a.x - b.x).norm() + slack
+    }
+
+    fn push(&mut self, spot: Spot) {
+        if let Some(line) = self.lines.last_mut() {
+            if line.last().is_none_or(|l| l.s != spot.s) {
+                line.push(spot);
+            }
+        }
+    }
+
+    /// What lies between two points of the path.
+    fn stretch(&mut self, a: &Spot, b: &Spot, depth: usize) {
+        if self.goes_on(a, b) {
+            return self.chord(a, b, depth);
+        }
+        let (leaves, enters) = (self.last(a, b), self.last(b, a));
+        if let Some(end) = leaves {
+            self.chord(a, &end, depth + 1);
+        }
+        if self.lines.last().is_some_and(|l| !l.is_empty()) {
+            self.lines.push(Vec::new());
+        }
+        if let Some(start) = enters {
+            self.chord(&start, b, depth + 1);
+        }
+    }
+
+    /// A stretch over which the image goes on.
+    fn chord(&mut self, a: &Spot, b: &Spot, depth: usize) {
+        self.push(*a);
+        let middles = BETWEEN.map(|share: f64| self.at(a.s + (b.s - a.s) * share, a));
+        let ends = a.place.zip(b.place);
+        let off = |m: &Spot| match (ends, m.place) {
+            (Some((p, q)), Some(m)) => (m.1 - foot(&p.1, &q.1, &m.1)).norm(),
+            _ => f64::INFINITY,
+        };
+        let worst = middles.iter().map(off).fold(0.0, f64::max);
+        if worst > self.options.chord && depth < DEEPEST && self.left > 0 {
+            let [_, middle, _] = middles;
+            self.stretch(a, &middle, depth + 1);
+            self.stretch(&middle, b, depth + 1);
+            return;
+        }
+        middles.into_iter().filter(|m| m.place.is_some()).for_each(|m| self.push(m));
+        self.push(*b);
+    }
+
+    /// The last point on the way from one to the other to which the image of the first goes on.
+    fn last(&mut self, from: &Spot, to: &Spot) -> Option<Spot> {
+        from.place?;
+        let (mut on, mut beyond) = (*from, to.s);
+        for _ in 0..HALVINGS {
+            let next = self.at(0.5 * (on.s + beyond), &on);
+            if self.goes_on(&on, &next) {
+                on = next;
+            } else {
+                beyond = next.s;
+            }
+        }
+        Some(on)
+    }
+}

@@ -1,0 +1,195 @@
+//! Curves of the model on faces whose flat images are known.
+
+use super::model_of;
+use crate::answer::note::{Note, OffFaces, UnrollNote};
+use crate::answer::Answer;
+use crate::brep::face::Face;
+use crate::brep::free_curve::{FreeCurve, FreeShape};
+use crate::brep::space_curve::SpaceCurve;
+use crate::certify::claim::Status;
+use crate::control::Control;
+use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentSheet, Stretch};
+use crate::geom::{Frame, Vec2, Vec3};
+use crate::io::model::Model;
+use crate::io::{drawings, dxf, words};
+use crate::pipeline::unroll::{groups, unroll, UnrollOptions};
+use crate::spline::curve::Curve;
+use crate::torse::rail::Rail;
+use std::f64::consts::TAU;
+
+const TOLERANCE: f64 = 0.01;
+
+fn curve(name: &str, pieces: Vec<Curve<4>>) -> FreeCurve {
+    let (item, layer) = ("object 1".into(), "scribe".into());
+    FreeCurve { item, name: name.into(), layer, shape: FreeShape::Curve(pieces) }
+}
+
+fn polyline(points: &[Vec3]) -> Vec<Curve<4>> {
+    Rail::polyline("line", points).expect("a line").pieces
+}
+
+/// An arc from `x` towards `y`.
+fn arc(origin: Vec3, [x, y]: [Vec3; 2], radius: f64, turn: f64) -> Curve<4> {
+    let frame = Frame { origin, x, y, z: x.cross(&y) };
+    SpaceCurve::Ellipse { frame, a: radius, b: radius }.to_spline(0.0, turn).expect("an arc").0
+}
+
+fn unrolled(faces: Vec<Face>, curves: Vec<FreeCurve>, surfaces: bool) -> Answer {
+    let model = Model { curves, ..model_of(faces) };
+    let options = UnrollOptions { surfaces, ..UnrollOptions::new(TOLERANCE) };
+    unroll(&model, &options, &Control::default()).expect("an answer")
+}
+
+fn length(line: &[Vec2]) -> f64 {
+    line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+}
+
+fn off(answer: &Answer) -> Vec<OffFaces> {
+    let found = answer.notes.iter().find_map(|n| match n {
+        Note::Unroll(UnrollNote::OffFaces { curves }) => Some(curves.clone()),
+        _ => None,
+    });
+    found.unwrap_or_default()
+}
+
+/// From a flange on over the cylinder that it touches, rising as steeply: one straight line.
+#[test]
+fn a_helix_becomes_a_straight_line_across_the_bend() {
+    let cylinder = quarter(Vec3::zeros(), Vec3::z(), 50.0 * Vec3::x(), 30.0);
+    let flange = rectangle(Vec3::new(50.0, -20.0, 0.0), 20.0 * Vec3::y(), 30.0 * Vec3::z());
+    let helix: Vec<Vec3> = (0..=100)
+        .map(|k| {
+            let turn = 0.008 * f64::from(k);
+            Vec3::new(50.0 * turn.cos(), 50.0 * turn.sin(), 10.0 + 50.0 * turn / 3.0)
+        })
+        .collect();
+    let mut pieces = polyline(&[Vec3::new(50.0, -15.0, 5.0), Vec3::new(50.0, 0.0, 10.0)]);
+    pieces.extend(Rail::through("helix", &helix).expect("a helix").pieces);
+    let answer = unrolled(vec![cylinder, flange], vec![curve("weld", pieces)], true);
+    assert_eq!(answer.status(), Status::Certified);
+    let [line] = answer.patterns[0].curves.as_slice() else { panic!("{:?}", answer.patterns[0].curves) };
+    assert_eq!(line.label, "weld");
+    let (a, b) = (line.points[0], line.points[line.points.len() - 1]);
+    let straight = 55f64.hypot(55.0 / 3.0);
+    assert!(((b - a).norm() - straight).abs() < TOLERANCE, "{} {straight}", (b - a).norm());
+    assert!((length(&line.points) - straight).abs() < TOLERANCE);
+    // Drawn with few corners, and there in the file.
+    assert!(line.points.len() < 10, "{}", line.points.len());
+    let options = crate::draw::drawing::DrawingOptions::default();
+    let drawing = crate::draw::drawing::drawing(&answer.patterns, &[], &[], &options);
+    let mut bytes = Vec::new();
+    dxf::write(&mut bytes, &drawing).expect("a drawing");
+    assert_eq!(drawings::dxf(&bytes).expect("a drawing")[0].curves[0].len(), line.points.len());
+    assert!(String::from_utf8_lossy(&bytes).contains("MARK_CURVE"));
+    assert!(off(&answer).is_empty());
+}
+
+/// A circle around a cone that is cut open: an arc about its apex, as long as the circle.
+#[test]
+fn a_circle_around_a_cone_becomes_an_arc_about_its_apex() {
+    let (slope, at) = (0.5, 10.0);
+    let cone = round_surface(30.0, slope, (0.0, 25.0));
+    let radius = 30.0 + slope * at;
+    let circle = arc(Vec3::z() * at, [Vec3::new(0.6, 0.8, 0.0), Vec3::new(-0.8, 0.6, 0.0)], radius, TAU);
+    let away = FreeCurve { layer: "other".into(), shape: FreeShape::Point(Vec3::zeros()), ..curve("", Vec::new()) };
+    let answer = unrolled(vec![cone], vec![curve("", vec![circle]), away], true);
+    let lines = &answer.patterns[0].curves;
+    // It begins beside the cut.
+    assert_eq!(lines.len(), 2);
+    assert_eq!([lines[0].label.as_str(), lines[1].label.as_str()], ["scribe", ""]);
+    let whole: f64 = lines.iter().map(|l| length(&l.points)).sum();
+    assert!((whole - TAU * radius).abs() < 0.002 * whole, "{whole} {}", TAU * radius);
+    let slant = radius / slope.atan().sin();
+    let points: Vec<Vec2> = lines.iter().flat_map(|l| l.points.clone()).collect();
+    let longest = if lines[0].points.len() > lines[1].points.len() { &lines[0].points } else { &lines[1].points };
+    let (a, b, c) = (longest[0], longest[longest.len() / 2], longest[longest.len() - 1]);
+    // The centre of the circle through three points.
+    let (u, v) = (b - a, c - a);
+    let (p, q) = (u.norm_squared(), v.norm_squared());
+    let centre = a + Vec2::new(v.y * p - u.y * q, u.x * q - v.x * p) / (2.0 * u.perp(&v));
+    assert!(points.iter().all(|x| ((x - centre).norm() - slant).abs() < TOLERANCE), "{slant}");
+}
+
+/// On either skin of a bent sheet: that which is laid flat has the curve as long as the neutral fibre, the other one is named.
+#[test]
+fn a_curve_over_a_bend_is_as_long_as_the_neutral_fibre() {
+    let sheet =
+        BentSheet::new(2.0, &[Stretch::Line(40.0), Stretch::Bend(1.0, 3.0), Stretch::Line(20.0)], &[0.0, 9.0], &[]);
+    let skin = |above: f64, radius: f64| {
+        let (sin, cos) = 1f64.sin_cos();
+        let centre = Vec3::new(40.0, 4.0, 5.0);
+        let mut pieces = polyline(&[Vec3::new(10.0, 4.0, above), Vec3::new(40.0, 4.0, above)]);
+        pieces.push(arc(centre, [-Vec3::z(), Vec3::x()], radius, 1.0));
+        let end = centre + Vec3::new(sin, 0.0, -cos) * radius;
+        pieces.extend(polyline(&[end, end + Vec3::new(cos, 0.0, sin) * 10.0]));
+        curve(&format!("at {above}"), pieces)
+    };
+    let answer = unrolled(sheet.faces(), vec![skin(0.0, 5.0), skin(2.0, 3.0)], false);
+    assert_eq!(answer.status(), Status::Certified);
+    let [line] = answer.patterns[0].curves.as_slice() else { panic!("{:?}", answer.patterns[0].curves) };
+    let neutral = 30.0 + (3.0 + 0.44 * 2.0) + 10.0;
+    assert!((length(&line.points) - neutral).abs() < TOLERANCE, "{}", length(&line.points));
+    let [other] = off(&answer).try_into().expect("the other one");
+    assert!((other.farthest - 2.0).abs() < TOLERANCE && other.off == other.length, "{other:?}");
+}
+
+/// Curves that lie on faces in part, beside them or along their edges, and points.
+#[test]
+fn what_lies_on_no_face_is_named() {
+    let plate = rectangle(Vec3::zeros(), 40.0 * Vec3::x(), 30.0 * Vec3::y());
+    let half = curve("half", polyline(&[Vec3::new(20.0, 10.0, 0.0), Vec3::new(60.0, 10.0, 0.0)]));
+    let beside = curve("beside", polyline(&[Vec3::new(5.0, 5.0, 3.0), Vec3::new(15.0, 5.0, 3.0)]));
+    let edge = curve("edge", polyline(&[Vec3::zeros(), Vec3::new(40.0, 0.0, 0.0)]));
+    let point = |name: &str, at: Vec3| FreeCurve { shape: FreeShape::Point(at), ..curve(name, Vec::new()) };
+    let through = curve("through", polyline(&[Vec3::new(30.0, 5.0, -4.0), Vec3::new(31.0, 5.0, 4.0)]));
+    let points = [point("P1", Vec3::new(30.0, 20.0, 0.0)), point("P2", Vec3::new(30.0, 20.0, 7.0))];
+    let answer = unrolled(vec![plate], [vec![half, beside, edge, through], points.to_vec()].concat(), true);
+    let lines = &answer.patterns[0].curves;
+    assert_eq!(lines.iter().map(|l| l.label.as_str()).collect::<Vec<_>>(), ["half", "P1", ""]);
+    assert!((length(&lines[0].points) - 20.0).abs() < 2.0 * TOLERANCE, "{}", length(&lines[0].points));
+    let middle = |k: usize| (lines[k].points[0] + lines[k].points[1]) * 0.5;
+    assert!((middle(1) - middle(2)).norm() < 1e-9);
+    let named = off(&answer);
+    let told: Vec<(&str, f64)> = named.iter().map(|o| (o.curve.as_str(), o.farthest.round())).collect();
+    assert_eq!(
+        told,
+        [("object 1 'half'", 20.0), ("object 1 'beside'", 3.0), ("object 1 'through'", 4.0), ("object 1 'P2'", 7.0)]
+    );
+    assert!((named[0].off - 20.0).abs() < 1.0 && (named[0].length - 40.0).abs() < 1e-9, "{:?}", named[0]);
+    let sentences: Vec<String> = answer.notes.iter().map(words::note).collect();
+    assert!(sentences.iter().any(|s| s.contains("run along outlines") && s.contains("'edge'")), "{sentences:?}");
+    assert!(sentences.iter().any(|s| s.contains("1 curve and 1 point of the model")), "{sentences:?}");
+}
+
+/// In groups of bodies every curve goes with the body that it lies on.
+#[test]
+fn curves_go_with_the_group_whose_faces_they_lie_on() {
+    let plate = |at: f64, body: u32| {
+        let mut face = rectangle(Vec3::new(at, 0.0, 0.0), 10.0 * Vec3::x(), 10.0 * Vec3::y());
+        face.body = body;
+        face
+    };
+    let line = |at: f64| curve("", polyline(&[Vec3::new(at + 2.0, 2.0, 0.0), Vec3::new(at + 8.0, 8.0, 0.0)]));
+    let model = Model { curves: vec![line(0.0), line(50.0)], ..model_of(vec![plate(0.0, 1), plate(50.0, 2)]) };
+    let groups = groups(model, 1, Some(TOLERANCE));
+    assert_eq!(groups.iter().map(|g| g.curves.len()).collect::<Vec<_>>(), [1, 1]);
+}
+
+/// A set of curves and points beside the solid of a file, with a layer.
+#[test]
+fn curves_of_step_sets_are_read_where_they_are_put() {
+    let more = "#9001=CARTESIAN_POINT('',(1.,2.,0.));\n#9002=CARTESIAN_POINT('',(11.,2.,0.));\n\
+                #9003=POLYLINE('score',(#9001,#9002));\n#9004=CARTESIAN_POINT('P',(5.,6.,0.));\n\
+                #9005=GEOMETRIC_CURVE_SET('',(#9003,#9004));\n\
+                #9006=GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION('',(#9005),#13);\n\
+                #9007=PRESENTATION_LAYER_ASSIGNMENT('engrave','',(#9003));\n";
+    let text = include_str!("../../../../../../data/bracket.step");
+    let (before, after) = text.rsplit_once("ENDSEC;").expect("an end");
+    let model = crate::io::cad::read(format!("{before}{more}ENDSEC;{after}").as_bytes()).expect("a model");
+    let called: Vec<(String, &str)> = model.curves.iter().map(|c| (c.called(), c.layer.as_str())).collect();
+    assert_eq!(called, [("#9003 'score'".to_owned(), "engrave"), ("#9004 'P'".to_owned(), "")]);
+    let FreeShape::Curve(pieces) = &model.curves[0].shape else { panic!("a curve") };
+    assert_eq!(pieces[0].point(pieces[0].domain().1)[..3], [11.0, 2.0, 0.0]);
+    assert_eq!(model.curves[1].shape, FreeShape::Point(Vec3::new(5.0, 6.0, 0.0)));
+    assert!(model.skipped.is_empty() && model.faces.iter().all(|f| f.entity < 9000));
+}
