@@ -43,6 +43,10 @@ const PER_SPAN: usize = 4;
 const ROUNDS: usize = 3;
 /// Prices of changes there, in turn until no foot is lost, and what damps strips as a multiple of them.
 const PRICES: ([f64; 3], f64) = ([1e-3, 3e-2, 1.0], 10.0);
+/// What the change of a sample's distance counts there, against the gap of one place at which strips do not cross.
+const KEPT: f64 = 1e-2;
+/// Where strips cross at more than this angle (rad) gaps count less: edges lie in the intersection, a little to the side.
+const CROSSING: f64 = 0.02;
 
 /// The curve over a line at which edges start, with the direction of heights.
 struct Reference {
@@ -291,18 +295,32 @@ impl Network<'_> {
         for _ in 0..ROUNDS {
             let columns = now.columns(0);
             let mut gaps = Tie { rows: Runs::default(), price: Vec::new(), damping: 0.0 };
+            let (mut beyond, mut largest) = (Vec::new(), 0.0_f64);
             for ((line, reference), guesses) in now.lines.iter().zip(&references).zip(&mut guesses) {
                 for (i, guess) in guesses.iter_mut().enumerate() {
                     let [y, up, _] = reference.frame(at(i))?;
                     let inside = (0.0..=1.0).contains(&at(i));
                     match now.height_row(line, (&y, &up), guess, &columns, &mut gaps.rows) {
-                        Some(gap) => gaps.end(1.0, gap),
+                        Some((gap, weight)) => {
+                            if inside {
+                                largest = largest.max(weight.sqrt() * gap.abs());
+                            } else {
+                                beyond.push(gaps.price.len());
+                            }
+                            gaps.end(weight, gap);
+                        }
                         None if inside => return None,
                         None => {}
                     }
                 }
             }
+            // Beyond the ends of lines strips may part: places there count no more than the worst on a line.
+            for k in beyond {
+                let (weight, gap) = &mut gaps.price[k];
+                *weight = weight.min((largest / gap.abs().max(f64::MIN_POSITIVE)).powi(2));
+            }
             now.aim_rows(&columns, &mut gaps)?;
+            now.kept_rows(&columns, &mut gaps);
             now = PRICES.0.iter().find_map(|&price| now.changed(&columns, &now.closed(&columns, &gaps, price)?))?;
         }
         now.lie_on_bands();
@@ -331,6 +349,17 @@ impl Network<'_> {
         Some(())
     }
 
+    /// Writes rows that keep the distances of samples from their strips: what closes gaps and costs little in unknowns may move strips
+    /// by more than the gaps are wide.
+    fn kept_rows(&self, columns: &Columns, out: &mut Tie) {
+        for s in &self.samples {
+            if let Some(foot) = &s.foot {
+                self.members[s.strip].strip.row(columns.strips[s.strip], &s.x, foot, 1.0, &mut out.rows);
+                out.end(KEPT, 0.0);
+            }
+        }
+    }
+
     /// The change of all strips that closes gaps in the sense of least squares, at a price.
     fn closed(&self, columns: &Columns, gaps: &Tie, price: f64) -> Option<Vec<f64>> {
         let mut tie = Tie { rows: gaps.rows.clone(), price: gaps.price.clone(), damping: PRICES.1 * price };
@@ -350,7 +379,7 @@ impl Network<'_> {
         Some(x)
     }
 
-    /// Writes the row of the difference of heights of two strips over a place; the difference in tolerances.
+    /// Writes the row of the difference of heights of two strips over a place; the difference in tolerances, and its weight.
     fn height_row(
         &self,
         line: &Line,
@@ -358,7 +387,7 @@ impl Network<'_> {
         guess: &mut [f64; 2],
         columns: &Columns,
         rows: &mut Runs,
-    ) -> Option<f64> {
+    ) -> Option<(f64, f64)> {
         const ROUNDS: usize = 3;
         let members = line.strips.map(|k| &self.members[k]);
         let mut z = *place;
@@ -371,7 +400,8 @@ impl Network<'_> {
                     let scale = sign / foot.normal.dot(up);
                     self.members[k].strip.row(columns.strips[k], &z, foot, scale, rows);
                 }
-                return Some((heights[0] - heights[1]) / self.tolerance);
+                let across = feet[0].normal.cross(&feet[1].normal).norm() / CROSSING;
+                return Some(((heights[0] - heights[1]) / self.tolerance, (1.0 + across * across).recip()));
             }
             z -= up * (0.5 * (heights[0] + heights[1]));
         }

@@ -47,7 +47,7 @@ const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
 /// Share of the least regularity of samples that strips keep between these.
 const BETWEEN: f64 = 0.8;
 /// Times that strips get finer for that, and the largest distance of a sample that this may lead to, in tolerances.
-const POLISHINGS: usize = 2;
+const POLISHINGS: usize = 3;
 /// See [`POLISHINGS`].
 const MOST: f64 = 0.97;
 
@@ -211,20 +211,31 @@ impl<'a> Joint<'a> {
 /// Edges along all lines, on finer strips where they would miss these, and with vertices where edges meet. Strips may be a little
 /// less regular between their samples than at these.
 fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
+    let missing = |now: &Network, edges: &[Option<Edge>], share: f64| {
+        let misses = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.missed > share * l.length);
+        now.lines.iter().zip(edges).filter(|&p| misses(p)).count()
+    };
     now.members.iter_mut().for_each(|m| m.least *= BETWEEN);
     let most = now.measured()[0].max(MOST);
     now = settled(now, most);
-    let mut edges = now.edges();
+    let edges = now.edges();
+    let mut best = (now, edges);
+    let mut finer: Option<Network> = None;
     for _ in 0..POLISHINGS {
-        let good = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_some_and(|e| e.missed <= ON_BOTH.0 * l.length);
-        if now.lines.iter().zip(&edges).all(good) && now.meets_aims() {
+        if missing(&best.0, &best.1, ON_BOTH.0) == 0 && best.0.meets_aims() {
             break;
         }
-        let Some(next) = now.polished().filter(|n| n.measured()[0] <= most) else { break };
-        now = next;
-        edges = now.edges();
+        let last = finer.as_ref().unwrap_or(&best.0);
+        let Some(next) = last.polished().filter(|n| n.measured()[0] <= most) else { break };
+        let edges = next.edges();
+        if missing(&next, &edges, ON_BOTH.1) <= missing(&best.0, &best.1, ON_BOTH.1) {
+            best = (next, edges);
+            finer = None;
+        } else {
+            finer = Some(next);
+        }
     }
-    (now, edges)
+    best
 }
 
 /// The network with vertices where edges meet, if distances (tolerances) stay below `most`.
