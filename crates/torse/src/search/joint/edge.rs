@@ -18,6 +18,7 @@ use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// What a way to the side counts against a distance.
 const SIDEWAYS: f64 = 1e-3;
@@ -271,24 +272,31 @@ impl Network<'_> {
         Some(Edge { curve, missed })
     }
 
-    /// The strips on twice the spans, as equally high over their lines as these allow. `None` where a foot is lost.
-    pub fn polished(&self) -> Option<Self> {
+    /// The strips beside lines with edges that are farther from these than they should be (`wanted` of their lengths), or all where
+    /// they miss what they should meet of other faces, on twice the spans, and all as equally high over their lines as these allow.
+    /// `None` where a foot is lost.
+    pub fn polished(&self, edges: &[Option<Edge>], wanted: f64) -> Option<Self> {
         let references: Vec<Reference> = self.lines.iter().map(Reference::of).collect::<Option<_>>()?;
+        let misses = |(l, e): &(&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.missed > wanted * l.length);
+        let beside: BTreeSet<usize> = self.lines.iter().zip(edges).filter(misses).flat_map(|(l, _)| l.strips).collect();
+        let all = !self.meets_aims();
         let mut now = self.clone();
-        for m in &mut now.members {
-            m.strip = m.strip.refined()?;
+        for (k, m) in now.members.iter_mut().enumerate() {
+            if all || beside.contains(&k) {
+                m.strip = m.strip.refined()?;
+            }
         }
         now.lie_on_bands();
-        let spans = now.members.iter().map(|m| m.strip.torse().breaks().len() - 1).max()?;
+        let spans: Vec<usize> = now.members.iter().map(|m| m.strip.torse().breaks().len() - 1).collect();
         // Feet of all reference points, the nearest of the line to begin with.
-        let count = PER_SPAN * spans;
-        let at = |i: usize| (1.0 + 2.0 * PLACES.1) * i as f64 / count as f64 - PLACES.1;
+        let count = |l: &Line| PER_SPAN * l.strips.map(|k| spans[k]).into_iter().fold(1, usize::max);
+        let share = |i: usize, count: usize| (1.0 + 2.0 * PLACES.1) * i as f64 / count as f64 - PLACES.1;
         let mut guesses: Vec<Vec<[f64; 2]>> = now
             .lines
             .iter()
             .map(|l| {
-                let last = l.points.len() - 1;
-                let near = |i: usize| (at(i).clamp(0.0, 1.0) * last as f64).round() as usize;
+                let (last, count) = (l.points.len() - 1, count(l));
+                let near = |i: usize| (share(i, count).clamp(0.0, 1.0) * last as f64).round() as usize;
                 (0..=count).map(|i| Some(l.points[near(i)].middle.as_ref()?.feet.map(|f| f.t))).collect()
             })
             .collect::<Option<_>>()?;
@@ -297,9 +305,11 @@ impl Network<'_> {
             let mut gaps = Tie { rows: Runs::default(), price: Vec::new(), damping: 0.0 };
             let (mut beyond, mut largest) = (Vec::new(), 0.0_f64);
             for ((line, reference), guesses) in now.lines.iter().zip(&references).zip(&mut guesses) {
+                let count = guesses.len() - 1;
                 for (i, guess) in guesses.iter_mut().enumerate() {
-                    let [y, up, _] = reference.frame(at(i))?;
-                    let inside = (0.0..=1.0).contains(&at(i));
+                    let at = share(i, count);
+                    let [y, up, _] = reference.frame(at)?;
+                    let inside = (0.0..=1.0).contains(&at);
                     match now.height_row(line, (&y, &up), guess, &columns, &mut gaps.rows) {
                         Some((gap, weight)) => {
                             if inside {

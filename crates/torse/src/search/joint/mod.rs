@@ -220,19 +220,19 @@ fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
     now = settled(now, most);
     let edges = now.edges();
     let mut best = (now, edges);
-    let mut finer: Option<Network> = None;
+    let mut finer: Option<(Network, Vec<Option<Edge>>)> = None;
     for _ in 0..POLISHINGS {
         if missing(&best.0, &best.1, ON_BOTH.0) == 0 && best.0.meets_aims() {
             break;
         }
-        let last = finer.as_ref().unwrap_or(&best.0);
-        let Some(next) = last.polished().filter(|n| n.measured()[0] <= most) else { break };
+        let (last, edges) = finer.as_ref().unwrap_or(&best);
+        let Some(next) = last.polished(edges, ON_BOTH.0).filter(|n| n.measured()[0] <= most) else { break };
         let edges = next.edges();
         if missing(&next, &edges, ON_BOTH.1) <= missing(&best.0, &best.1, ON_BOTH.1) {
             best = (next, edges);
             finer = None;
         } else {
-            finer = Some(next);
+            finer = Some((next, edges));
         }
     }
     best
