@@ -61,7 +61,7 @@ pub(super) struct Edge {
     /// Over the line and a little beyond.
     pub curve: Curve<3>,
     /// Largest distance of its places from both strips, mm. Sampled.
-    pub missed: f64,
+    missed: f64,
 }
 
 impl Reference {
@@ -152,6 +152,13 @@ pub(super) struct Junction {
     /// Indices of the strips, in order.
     pub strips: Vec<usize>,
     pub place: Vec3,
+}
+
+impl Edge {
+    /// Whether it is farther from its strips than a share of its line's length.
+    pub fn misses(&self, line: &Line, share: f64) -> bool {
+        self.missed > share * line.length
+    }
 }
 
 impl Network<'_> {
@@ -277,7 +284,7 @@ impl Network<'_> {
     /// `None` where a foot is lost.
     pub fn polished(&self, edges: &[Option<Edge>], wanted: f64) -> Option<Self> {
         let references: Vec<Reference> = self.lines.iter().map(Reference::of).collect::<Option<_>>()?;
-        let misses = |(l, e): &(&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.missed > wanted * l.length);
+        let misses = |(l, e): &(&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.misses(l, wanted));
         let beside: BTreeSet<usize> = self.lines.iter().zip(edges).filter(misses).flat_map(|(l, _)| l.strips).collect();
         let all = !self.meets_aims();
         let mut now = self.clone();

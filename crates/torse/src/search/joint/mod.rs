@@ -194,7 +194,7 @@ impl<'a> Joint<'a> {
         let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
             labels: l.strips.map(|k| label(&k)),
             uv: l.points.iter().map(|p| p.uv).collect(),
-            edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
+            edge: edge.filter(|e| !e.misses(l, ON_BOTH.1)).map(|e| e.curve),
         };
         let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
         Some(Joined {
@@ -212,7 +212,7 @@ impl<'a> Joint<'a> {
 /// less regular between their samples than at these.
 fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
     let missing = |now: &Network, edges: &[Option<Edge>], share: f64| {
-        let misses = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.missed > share * l.length);
+        let misses = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.misses(l, share));
         now.lines.iter().zip(edges).filter(|&p| misses(p)).count()
     };
     now.members.iter_mut().for_each(|m| m.least *= BETWEEN);

@@ -5,10 +5,9 @@ use super::records::{as_reference, Fault, Records};
 use super::token::Value;
 use super::walk::Census;
 use crate::brep::free_curve::{FreeCurve, FreeShape};
-use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::unroll;
+use crate::brep::ruled::spline_of;
+use crate::brep::space_curve::Arc;
 use crate::spline::curve::Curve;
-use crate::spline::knots::SAME_PARAMETER;
 use std::collections::HashMap;
 
 /// Reads them, mm; with what could not be read, in words.
@@ -69,24 +68,6 @@ pub(super) fn whole(id: u64, curve: ResolvedCurve) -> Result<Vec<Arc>, Fault> {
 
 /// The pieces of a path as splines in the direction of travel.
 pub(super) fn pieces(id: u64, path: &[Arc]) -> Result<Vec<Curve<4>>, Fault> {
-    path.iter()
-        .filter(|a| a.from != a.to)
-        .map(|arc| {
-            let (lo, hi) = (arc.from.min(arc.to), arc.from.max(arc.to));
-            let spline = match &arc.curve {
-                SpaceCurve::Spline(c) => {
-                    let (a, b) = c.domain();
-                    let hair = SAME_PARAMETER * (b - a);
-                    if lo >= a - hair && hi <= b + hair {
-                        c.restricted(lo.max(a), hi.min(b))
-                    } else {
-                        unroll::curve(c, (lo, hi))
-                    }
-                }
-                other => other.to_spline(lo, hi).map(|c| c.0),
-            };
-            let spline = spline.map_err(|e| Fault::new(id, e.to_string()))?;
-            Ok(if arc.to < arc.from { spline.reversed() } else { spline })
-        })
-        .collect()
+    let there = path.iter().filter(|a| a.from != a.to);
+    there.map(|arc| spline_of(arc).map_err(|e| Fault::new(id, e.to_string()))).collect()
 }
