@@ -294,7 +294,7 @@ impl Network<'_> {
             }
         }
         now.lie_on_bands();
-        let spans: Vec<usize> = now.members.iter().map(|m| m.strip.torse().breaks().len() - 1).collect();
+        let spans: Vec<usize> = now.members.iter().map(|m| m.strip.spans()).collect();
         // Feet of all reference points, the nearest of the line to begin with.
         let count = |l: &Line| PER_SPAN * l.strips.map(|k| spans[k]).into_iter().fold(1, usize::max);
         let share = |i: usize, count: usize| (1.0 + 2.0 * PLACES.1) * i as f64 / count as f64 - PLACES.1;

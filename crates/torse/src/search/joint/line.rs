@@ -10,8 +10,8 @@ use crate::geom::Vec3;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 
-/// Points of a line.
-pub(super) const POINTS: usize = 121;
+/// Points of a line, at least, and for each span of the strips beside it: what no point sees between them grows into waves.
+const POINTS: (usize, usize) = (121, 2);
 /// Functions of a slide.
 pub(super) const SLIDES: usize = 12;
 /// Share of a line along which its ends make themselves felt.
@@ -84,6 +84,8 @@ pub(super) struct Line {
     pub ends: [End; 2],
     /// Whether it must stay where it is.
     pub held: bool,
+    /// How many points it has.
+    pub count: usize,
     pub points: Vec<LinePoint>,
     pub length: f64,
 }
@@ -111,6 +113,22 @@ pub(super) fn slide_functions(knots: &Knots, share: f64) -> (usize, [f64; 4]) {
 }
 
 impl Line {
+    /// A line between strips, without points so far.
+    pub fn bare(strips: [usize; 2], ends: [End; 2], held: bool) -> Self {
+        Self { strips, ends, held, count: POINTS.0, points: Vec::new(), length: 0.0 }
+    }
+
+    /// The line with as many points as strips of so many spans need.
+    pub fn for_spans(mut self, spans: usize, face: &Face, tolerance: f64) -> Option<Self> {
+        let count = POINTS.0.max(POINTS.1 * spans + 1);
+        if count == self.count {
+            return Some(self);
+        }
+        self.count = count;
+        let uv: Vec<[f64; 2]> = self.points.iter().map(|p| p.uv).collect();
+        self.through(face, &uv, tolerance)
+    }
+
     /// The line through parameters in order. `None` for a line without length or normals.
     pub fn through(&self, face: &Face, uv: &[[f64; 2]], tolerance: f64) -> Option<Self> {
         let surface = &face.surface;
@@ -124,7 +142,7 @@ impl Line {
         let spans = most.min(uv.len() / SPANS.1).max(1);
         let curve = lsq::fit(&uv, &shares, &Knots::uniform(3, spans, 0.0, 1.0).ok()?).ok()?.curve;
         // Equal arc lengths from a table.
-        let count = 4 * (POINTS - 1);
+        let count = 4 * (self.count - 1);
         let at: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
         let ((u0, u1), (v0, v1)) = surface.domain();
         let place = |t: f64| {
@@ -138,9 +156,9 @@ impl Line {
         if !(length > 0.0 && length.is_finite()) {
             return None;
         }
-        let mut points = Vec::with_capacity(POINTS);
-        for i in 0..POINTS {
-            let share = i as f64 / (POINTS - 1) as f64;
+        let mut points = Vec::with_capacity(self.count);
+        for i in 0..self.count {
+            let share = i as f64 / (self.count - 1) as f64;
             let k = sums.partition_point(|s| *s < share * length).clamp(1, count);
             let t = at[k - 1] + (at[k] - at[k - 1]) * ((share * length - sums[k - 1]) / (sums[k] - sums[k - 1]));
             let [_, d, _] = curve.jet(t);
@@ -171,7 +189,7 @@ impl Line {
     fn fade(&mut self, face: &Face, tolerance: f64) {
         let vertex = FADE.max(VERTEX_FADE * tolerance / self.length).min(1.0);
         for (e, end) in self.ends.into_iter().enumerate() {
-            let at = if e == 0 { 0 } else { POINTS - 1 };
+            let at = if e == 0 { 0 } else { self.count - 1 };
             let p = &self.points[at];
             let crossing = match end {
                 End::Border => border_tangent(face, p).and_then(|t| {
@@ -212,13 +230,13 @@ impl Line {
     /// The line after each of its points went a way (mm) along the face.
     pub fn moved(&self, face: &Face, way: impl Fn(&LinePoint) -> Vec3, tolerance: f64) -> Option<Self> {
         let ((u0, u1), (v0, v1)) = face.surface.domain();
-        let mut uv: Vec<[f64; 2]> = Vec::with_capacity(POINTS);
+        let mut uv: Vec<[f64; 2]> = Vec::with_capacity(self.count);
         for p in &self.points {
             let [du, dv] = parameters(face, p.uv, &way(p))?;
             uv.push([(p.uv[0] + du).clamp(u0, u1), (p.uv[1] + dv).clamp(v0, v1)]);
         }
         for (e, end) in self.ends.into_iter().enumerate() {
-            let at = if e == 0 { 0 } else { POINTS - 1 };
+            let at = if e == 0 { 0 } else { self.count - 1 };
             match end {
                 End::Border => uv[at] = nearest_border(face, uv[at])?.0,
                 End::Fixed => uv[at] = self.points[at].uv,

@@ -2,7 +2,7 @@
 
 use super::columns::Columns;
 use super::form::{Band, Foot};
-use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, Width, POINTS, SLIDES};
+use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, Width, SLIDES};
 use super::strip::{Rulings, Strip};
 use crate::brep::face::Face;
 use crate::geom::Vec3;
@@ -426,16 +426,16 @@ fn placed(lines: &[Line], s: &Sample, is_whole: bool, most: f64) -> Option<(usiz
     for &l in &s.lines {
         let points = &lines[l as usize].points;
         let off = |k: &usize| (points[*k].x - s.x).norm_squared();
-        let k = (0..POINTS).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let k = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
         // Distance from the chords on both sides.
         let off_chord = |i: usize| {
             let (chord, way) = (points[i + 1].x - points[i].x, s.x - points[i].x);
             (way - chord * (way.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0)).norm()
         };
-        let distance = (k.saturating_sub(1)..=k.min(POINTS - 2)).map(off_chord).fold(f64::INFINITY, f64::min);
+        let distance = (k.saturating_sub(1)..=k.min(points.len() - 2)).map(off_chord).fold(f64::INFINITY, f64::min);
         let inward = match k {
             0 => points[0].tangent,
-            _ if k + 1 == POINTS => -points[k].tangent,
+            _ if k + 1 == points.len() => -points[k].tangent,
             _ => Vec3::zeros(),
         };
         let way = s.x - points[k].x;
@@ -455,7 +455,7 @@ fn placed(lines: &[Line], s: &Sample, is_whole: bool, most: f64) -> Option<(usiz
     }
     // Beyond an end that stays other borders go on that stay.
     let beyond = |end: usize, sign: f64| line.ends[end] == End::Fixed && sign * p.tangent.dot(&way) < 0.0;
-    if !is_whole && ((k == 0 && beyond(0, 1.0)) || (k + 1 == POINTS && beyond(1, -1.0))) {
+    if !is_whole && ((k == 0 && beyond(0, 1.0)) || (k + 1 == line.points.len() && beyond(1, -1.0))) {
         return None;
     }
     let left = p.normal.cross(&p.tangent).dot(&way) >= 0.0;

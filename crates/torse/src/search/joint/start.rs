@@ -67,6 +67,11 @@ fn network_of_others<'a>(
         return Err(lost);
     }
     let members: Vec<Member> = members.into_iter().flatten().collect();
+    let dense = |l: Line| {
+        let spans = l.strips.map(|k| members[k].strip.spans()).into_iter().fold(1, usize::max);
+        l.for_spans(spans, face, tolerance)
+    };
+    let lines = lines.into_iter().map(dense).collect::<Option<Vec<Line>>>().ok_or_else(Vec::new)?;
     let sample = |g: &Given| {
         let up = Some(g.normal).filter(|n| g.on_border && *n != Vec3::zeros());
         let counts = asked.borders.filter(|_| g.on_border).map_or(1.0, |counts| counts(&g.x));
@@ -323,7 +328,7 @@ fn lines(
         };
         let strips = [*index.get(&c.labels[0])?, *index.get(&c.labels[1])?];
         let held = held(c.labels);
-        let bare = Line { strips, ends: [end(first), end(last)], held, points: Vec::new(), length: 0.0 };
+        let bare = Line::bare(strips, [end(first), end(last)], held);
         let uv: Vec<[f64; 2]> = c.vertices.iter().map(|&v| state.partition.vertices[v as usize]).collect();
         out.push(bare.through(face, &uv, tolerance)?);
     }

@@ -35,6 +35,10 @@ impl Strip {
         self.form().torse()
     }
 
+    pub fn spans(&self) -> usize {
+        self.torse().breaks().len() - 1
+    }
+
     pub fn unknowns(&self) -> usize {
         self.form().unknowns()
     }
@@ -78,7 +82,7 @@ impl Strip {
 
     /// The same strip on twice the spans.
     pub fn refined(&self) -> Option<Self> {
-        let (torse, spans) = (self.torse(), 2 * (self.torse().breaks().len() - 1));
+        let (torse, spans) = (self.torse(), 2 * self.spans());
         match torse {
             Torse::Dual(d) => Envelope::new(d, torse.domain(), spans).map(Self::Planes),
             Torse::Primal(p) => Profile::new(p, torse.domain(), spans).map(Self::Profile),

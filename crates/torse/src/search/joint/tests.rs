@@ -1,6 +1,5 @@
 use super::envelope::Envelope;
 use super::form::{Band, Tie};
-use super::line::POINTS;
 use super::profile::Profile;
 use super::program::{distances, COUNTS};
 use super::strip::Strip;
@@ -195,7 +194,7 @@ fn rows_of_a_line_match_differences() {
     let mut x = vec![0.0; program.limits.len()];
     x[columns.slides[0]..columns.slides[0] + 12].fill(1e-3);
     let next = network.stepped(columns, &x).expect("a step");
-    let first = program.hard.len() - 2 * POINTS;
+    let first = program.hard.len() - 2 * network.lines[0].count;
     // Samples beside the line, which go with it.
     let largest = network.largest_of_strips();
     let counts = |s: &&super::network::Sample| {
@@ -259,5 +258,21 @@ fn strips_of_two_faces_become_equally_high_where_these_meet() {
         };
         let heights = [height(0), height(1)];
         assert!((heights[0] - heights[1]).abs() < 0.02 && heights[0] < 0.97, "{heights:?}");
+    }
+}
+
+/// Beside finer strips lines have two points for every span, on the curve that they had.
+#[test]
+fn lines_beside_finer_strips_have_more_points() {
+    let (face, state) = zones(&[0.0, 0.2, 0.4]);
+    let held = |_: [u32; 2]| false;
+    let network = start::network(&face, &state, chains(&face, &state), &asked(&held, 1.0)).expect("a network");
+    let line = &network.lines[0];
+    let spans = network.members.iter().map(|m| m.strip.spans()).fold(0, usize::max);
+    assert!(line.count == line.points.len() && line.count > 2 * spans);
+    let finer = line.clone().for_spans(2 * (line.count - 1), &face, 1.0).expect("a line");
+    assert_eq!(finer.points.len(), 4 * (line.count - 1) + 1);
+    for (p, q) in line.points.iter().zip(finer.points.iter().step_by(4)) {
+        assert!((p.x - q.x).norm() < 1e-6 * line.length, "{} {}", p.x, q.x);
     }
 }

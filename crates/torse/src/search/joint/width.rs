@@ -3,7 +3,7 @@
 
 use super::columns::Columns;
 use super::form::Tie;
-use super::line::{slide_functions, LinePoint, Width, POINTS};
+use super::line::{slide_functions, LinePoint, Width};
 use super::network::{median, Network};
 use crate::geom::Vec3;
 use crate::spline::knots::Knots;
@@ -33,8 +33,8 @@ impl Network<'_> {
     /// Widths as they should be, from those as they are: none where nothing is across, or the strip runs out.
     pub fn wanted_widths(&self) -> Vec<Width> {
         let borders = self.borders();
-        let points = || (0..POINTS).step_by(EVERY);
-        let all = (0..self.lines.len()).flat_map(|l| points().flat_map(move |i| [(l, i, 0), (l, i, 1)]));
+        let points = |l: usize| (0..self.lines[l].count).step_by(EVERY);
+        let all = (0..self.lines.len()).flat_map(|l| points(l).flat_map(move |i| [(l, i, 0), (l, i, 1)]));
         let of = |(line, point, side)| {
             Some(Width { line, point, side, wanted: self.across(&borders, line, point, side)?.width })
         };
