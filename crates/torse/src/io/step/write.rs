@@ -15,8 +15,9 @@ use std::io;
 
 use crate::geom::Frame;
 use crate::patchwork::panel::Patchwork;
+pub use crate::patchwork::shell_surface::{ShellSurface, SurfaceForm};
 use records::{boolean, list, real, references, string, Records};
-pub use shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface, SurfaceForm};
+pub use shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace};
 
 /// What the file says about itself.
 #[derive(Clone, Debug)]
