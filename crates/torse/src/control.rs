@@ -19,6 +19,22 @@ pub struct Progress {
 pub(crate) type ProgressFn = dyn Fn(&Progress) + Send + Sync;
 
 /// Progress callback, cancellation flag, deadline and effort. Cloning shares them.
+///
+/// # Example
+/// ```
+/// use std::sync::{Arc, Mutex};
+/// let stages = Arc::new(Mutex::new(Vec::new()));
+/// let heard = stages.clone();
+/// let control = torse::Control::with_progress(Arc::new(move |p| heard.lock().unwrap().push(p.stage)));
+/// let model = torse::read(include_bytes!("../../../data/bracket.step"))?;
+/// let mut options = torse::UnrollOptions::new(0.1);
+/// options.input = "bracket".into();
+/// torse::unroll(&model, &options, &control)?;
+/// assert!(!stages.lock().unwrap().is_empty() && !control.stopped());
+/// control.cancel();
+/// assert!(control.stopped());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Default)]
 pub struct Control {
     cancelled: Arc<AtomicBool>,

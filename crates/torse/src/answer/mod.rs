@@ -115,6 +115,18 @@ pub struct Cones {
 }
 
 /// How drawings for the cutter are written.
+///
+/// # Example
+/// ```
+/// use torse::geom::unit::LengthUnit;
+/// let bracket = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// let mut answer = torse::unroll(&bracket, &torse::UnrollOptions::new(0.1), &torse::Control::default())?;
+/// answer.cut.unit = LengthUnit::Inch;
+/// answer.cut.threedm = true;
+/// let files = torse::files(&mut answer, "2026-01-31T12:00:00")?;
+/// assert!(files.iter().any(|(name, _)| name == "panels.3dm"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CutFiles {
     /// Unit of drawings and tables; default mm. Reports and models are in mm.
@@ -128,6 +140,20 @@ pub struct CutFiles {
 }
 
 /// The answer of a job: what was made, what is said of it, and what is missing. Lengths in mm.
+///
+/// # Example
+/// ```
+/// use torse::certify::claim::What;
+/// let model = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let answer = torse::approximate(&model, &torse::Approximate::new(0.5))?;
+/// let deviation = answer.claim(What::Deviation).expect("covers have one");
+/// assert!(deviation.value() <= answer.tolerance() && answer.status() == torse::Status::Certified);
+/// for (part, flat) in answer.parts.iter().zip(answer.patterns()) {
+///     assert_eq!(part.name, flat.name);
+///     assert!((flat.area - flat.area_in_space).abs() < 1e-3 * flat.area, "sheet is bent, not stretched");
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// The job.

@@ -81,12 +81,7 @@ fn part_shapes(name: &str, first: usize, strips: &[&Strip], tolerance: f64) -> O
             planes.push(TangentPlane::of(strip, 0.5 * (at(k, i) + at(k, i + 1)))?);
         }
     }
-    let options = DecomposeOptions {
-        noise: (NOISE_SHARE * tolerance / size).max(NOISE),
-        centre: bbox.center(),
-        size,
-        ..DecomposeOptions::default()
-    };
+    let options = DecomposeOptions { noise: (NOISE_SHARE * tolerance / size).max(NOISE), centre: bbox.center(), size };
     let runs = decompose(&planes, &options).ok()?;
     let turn = |a: usize, b: usize| -> f64 {
         let n = &planes[a..b];

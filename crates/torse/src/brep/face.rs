@@ -12,6 +12,19 @@ use std::sync::Arc;
 /// Whatever the file's representation was, `surface` is an exact (rational) B-spline of it in millimetres, in the
 /// coordinates of the whole model (assembly placements applied), parametrised so that the region is one
 /// connected polygon with holes inside the surface's domain: surfaces that close on themselves are cut along a seam.
+///
+/// # Example
+/// ```
+/// use torse::geom::{placement::Placement, Vec3};
+/// let model = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let face = &model.faces[0];
+/// assert!(face.loops.len() > 1, "an outline and holes");
+/// let up = Placement { shift: Vec3::z() * 50.0, ..Placement::identity() };
+/// let moved = face.placed(&up, "second copy");
+/// let (a, b) = (torse::measure(&[moved]), torse::measure(&model.faces));
+/// assert!((a[0].area_estimate - b[0].area_estimate).abs() < 1e-6 * b[0].area_estimate);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Face {
     /// Number of the entity in the file (`#123`).

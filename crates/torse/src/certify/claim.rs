@@ -297,6 +297,17 @@ pub enum Demand {
 }
 
 /// A statement about a result: what, of what, how large, how it is known, and what was asked of it.
+///
+/// # Example
+/// ```
+/// use torse::certify::claim::{Demand, Evidence, Subject};
+/// let bracket = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// let answer = torse::unroll(&bracket, &torse::UnrollOptions::new(0.1), &torse::Control::default())?;
+/// let proven = |c: &&torse::certify::claim::Claim| c.evidence() == Evidence::Proven && c.demand() != Demand::None;
+/// assert!(answer.claims_of(Subject::Whole).filter(proven).count() > 0);
+/// assert!(answer.claims().iter().all(|c| !c.is_broken()) && answer.status() == torse::Status::Certified);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     what: What,

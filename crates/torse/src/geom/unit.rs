@@ -82,6 +82,12 @@ pub(crate) fn named(name: &str) -> Option<&'static NamedUnit> {
 }
 
 /// The length of a unit by its name, mm: `mm`, `cm`, `m`, `in`, `ft` and others that have a short name, or their names in full.
+///
+/// # Example
+/// ```
+/// use torse::geom::unit::millimetres;
+/// assert_eq!((millimetres("Inch"), millimetres("m"), millimetres("ell")), (Some(25.4), Some(1000.0), None));
+/// ```
 pub fn millimetres(name: &str) -> Option<f64> {
     named(name).filter(|u| !u.short.is_empty()).map(|u| u.mm)
 }

@@ -42,6 +42,15 @@ pub enum ArtworkError {
 ///
 /// # Errors
 /// See [`ArtworkError`].
+///
+/// # Example
+/// ```
+/// use torse::io::artwork::{read, Artwork};
+/// let table = include_bytes!("../../../../data/rivets.csv");
+/// let Artwork::Points(points, _) = read("rivets.csv", table, 1.0)? else { panic!("a table") };
+/// assert_eq!((points.len(), points[0].1.x), (5, 16.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> {
     let text = String::from_utf8_lossy(bytes);
     let start = text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']);

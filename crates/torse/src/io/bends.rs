@@ -45,6 +45,17 @@ pub(crate) fn records(pattern: &Pattern) -> Vec<BendRecord> {
 pub(super) const FLAT: &str = "flat";
 
 /// The bend lines of all patterns as a table: `bends.csv`, lengths in `unit`. `None` where there are none.
+///
+/// # Example
+/// ```
+/// use torse::geom::unit::LengthUnit;
+/// let bracket = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// let answer = torse::unroll(&bracket, &torse::UnrollOptions::new(0.1), &torse::Control::default())?;
+/// let table = torse::io::bends::csv(answer.patterns(), LengthUnit::Millimetre).expect("it is bent");
+/// let lines = answer.patterns()[0].rulings.len();
+/// assert_eq!(String::from_utf8(table)?.lines().count(), 1 + lines);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn csv(patterns: &[Pattern], unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(

@@ -49,6 +49,17 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// See [`CloudReadError`].
+///
+/// # Example
+/// ```
+/// let table = b"px,py,pz,qx,qy,qz\n0,0,0,0,100,0\n30,0,5,30,100,5\n60,0,20,60,100,20\n90,0,45,90,100,45\n";
+/// let (given, notes) = torse::io::elements::read("rulings.csv", table, Some(1.0), None)?;
+/// assert!(given.len() == 4 && notes.is_empty());
+/// let options = torse::ElementFitOptions::new(0.5, "gutter");
+/// let answer = torse::fit_elements(&given, &options, &torse::Control::default())?;
+/// assert_eq!(answer.patchwork().panels.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(
     name: &str,
     bytes: &[u8],

@@ -24,6 +24,18 @@ pub(crate) const UNKNOWN: &str = "unknown";
 pub struct JsonError(#[from] serde_json::Error);
 
 /// The whole report. Lengths in mm; `None` is written as `null` and stands for an infinite or unknown number.
+///
+/// # Example
+/// ```
+/// use torse::io::json::Report;
+/// let bracket = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// let mut answer = torse::unroll(&bracket, &torse::UnrollOptions::new(0.1), &torse::Control::default())?;
+/// let files = torse::files(&mut answer, "2026-01-31T12:00:00")?;
+/// let json = files.iter().find(|(name, _)| name == "report.json").expect("every job has one");
+/// let report = Report::from_json(std::str::from_utf8(&json.1)?)?;
+/// assert!(report.certified() && report.job == "unroll" && report.parts.len() == answer.parts.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// [`SCHEMA`].

@@ -29,6 +29,14 @@ pub(crate) fn shipped() -> Result<Vec<Material>, MaterialError> {
 ///
 /// # Errors
 /// A table that cannot be read, with its line; a name that is not there, with those that are.
+///
+/// # Example
+/// ```
+/// let own = "material,density,least_radius\nroof zinc,7200,1.75t\n";
+/// let zinc = torse::io::materials::material("Roof-Zinc", Some(("own.csv", own)))?;
+/// assert!((zinc.weight(1e6, 0.7) - 5.04).abs() < 1e-12, "a square metre of 0.7 mm");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn material(name: &str, own: Option<(&str, &str)>) -> Result<Material, MaterialError> {
     let own = own.map(|(file, text)| read(file, text).map(|all| (file, all))).transpose()?;
     let (file, all) = match own {

@@ -7,6 +7,15 @@ use crate::brep::free_curve::FreeCurve;
 use crate::reason::Reason;
 
 /// The faces of a CAD file.
+///
+/// # Example
+/// ```
+/// let model = torse::read(include_bytes!("../../../../data/bracket.step"))?;
+/// assert!(model.skipped.is_empty() && model.unit == "millimetre");
+/// let planes = torse::measure(&model.faces).iter().filter(|face| face.character() == "flat").count();
+/// assert!(planes > 0 && planes < model.faces.len(), "the others are bends and holes");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Trimmed faces in millimetres, in the coordinates of the whole model; one for each occurrence in an assembly.

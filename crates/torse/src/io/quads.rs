@@ -20,6 +20,14 @@ const MOST: usize = 1 << 18;
 ///
 /// # Errors
 /// See [`QuadReadError`].
+///
+/// # Example
+/// ```
+/// let table = b"ax,ay,az,bx,by,bz\n0,0,0,0,100,0\n30,0,0,30,100,1\n60,0,20,60,100,22\n";
+/// let strip = torse::io::quads::read("hood.csv", table, Some(1.0))?;
+/// assert!(strip.quads() == 2 && strip.largest_warp() > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<QuadStrip, QuadReadError> {
     let is_obj = std::path::Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     let [a, b] = if is_obj {

@@ -12,6 +12,7 @@ pub mod partition;
 pub mod pattern;
 pub(crate) mod redraw;
 pub mod seam;
+pub mod shell_surface;
 pub(crate) mod skins;
 pub(crate) mod smooth_seams;
 pub mod triangulate;

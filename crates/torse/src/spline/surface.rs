@@ -10,6 +10,18 @@ use crate::geom::{BBox, Vec3};
 pub(crate) const NO_NORMAL: f64 = 1e-12;
 
 /// A surface `S(u, v) = Σ w_ij P_ij N_i(u) N_j(v) / Σ w_ij N_i(u) N_j(v)`.
+///
+/// # Example
+/// ```
+/// use torse::{geom::Vec3, spline::{knots::Knots, surface::Surface}};
+/// let line = Knots::clamped(1, &[0.0, 1.0])?;
+/// let corners = [[0.0, 0.0, 0.0], [0.0, 10.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 4.0]].map(Vec3::from);
+/// let saddle = Surface::new(line.clone(), line, &corners, None)?;
+/// let j = saddle.jet(0.5, 0.5);
+/// assert_eq!((j.p.z, j.duv.z), (1.0, 4.0));
+/// assert!(j.normal().dot(&j.du).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Knots and degree in u.

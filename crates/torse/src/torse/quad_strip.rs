@@ -11,6 +11,17 @@ use crate::spline::SplineError;
 
 /// A strip between two polylines; the rulings join points of equal index, the quadrilateral `i` has the corners
 /// `a[i]`, `a[i + 1]`, `b[i + 1]`, `b[i]`.
+///
+/// # Example
+/// ```
+/// use torse::{geom::Vec3, torse::quad_strip::QuadStrip};
+/// let side = |y: f64| [0.0, 30.0, 60.0].map(|x| Vec3::new(x, y, 0.1 * x)).to_vec();
+/// let strip = QuadStrip::new(side(0.0), side(100.0))?;
+/// let [a, _] = strip.development();
+/// assert!(strip.largest_warp() < 1e-12);
+/// assert!(((a[1] - a[0]).norm() - (strip.a()[1] - strip.a()[0]).norm()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuadStrip {
     a: Vec<Vec3>,

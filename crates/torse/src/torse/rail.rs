@@ -12,6 +12,17 @@ use crate::spline::SplineError;
 
 /// A curve of space as a chain of smooth pieces with corners between them. The rail's parameter runs over [0, number
 /// of pieces]; every piece has the domain [0, 1]. Lengths in mm.
+///
+/// # Example
+/// ```
+/// use torse::{geom::Vec3, torse::rail::Rail};
+/// let at = |k: i32| Vec3::new(100.0 * (0.2 * f64::from(k)).cos(), 100.0 * (0.2 * f64::from(k)).sin(), 0.0);
+/// let points: Vec<Vec3> = (0..=8).map(at).collect();
+/// let arc = Rail::through("arc", &points)?;
+/// assert!((arc.length() - 160.0).abs() < 0.1, "1.6 rad of radius 100");
+/// assert!(Rail::in_one_plane(&[&arc], 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rail {
     /// Name, for messages and files.

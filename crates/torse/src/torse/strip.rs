@@ -13,6 +13,17 @@ use crate::spline::surface::Surface;
 use crate::spline::SplineError;
 
 /// A named developable piece with its ruled patch.
+///
+/// # Example
+/// ```
+/// use torse::{geom::Vec3, torse::{form::PanelKind, strip::Strip}};
+/// let [a, b] = [[0.0, 0.0], [30.0, 8.0]].map(|[x, z]| [Vec3::new(x, 0.0, 0.0), Vec3::new(x, 90.0, z)]);
+/// let warped = Strip::quad("warped", PanelKind::Ruled, a, b)?;
+/// assert!(warped.twist(0.5) > 0.1, "its tangent planes turn along the rulings");
+/// let plane = Strip::quad("plane", PanelKind::Plane, a, [b[0], b[1] - Vec3::z() * 8.0])?;
+/// assert!(plane.twist_bound().is_some_and(|t| t < 1e-12) && (plane.area_estimate() - 2700.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     /// Name, unique within the job ("A-03").

@@ -9,35 +9,10 @@
 use crate::brep::recognised_surface::RecognisedSurface;
 use crate::geom::{Frame, Vec3};
 use crate::patchwork::panel::{Coedge, Panel};
+use crate::patchwork::shell_surface::ShellSurface;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
-use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
-
-/// What an offset is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum OffsetForm {
-    /// The plane z = 0 of the frame.
-    Plane(Frame),
-    /// About the frame's z axis.
-    Cylinder {
-        /// Axis z.
-        frame: Frame,
-        /// Radius, mm.
-        radius: f64,
-    },
-    /// About the frame's z axis, widening along it.
-    Cone {
-        /// Axis z.
-        frame: Frame,
-        /// Radius at z = 0, mm.
-        radius: f64,
-        /// Angle between axis and rulings, rad.
-        half_angle: f64,
-    },
-    /// At the distance (mm) along the normal of the panel's patch.
-    Beside(f64),
-}
 
 /// A run of a border, carried to the offset.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,14 +30,10 @@ pub struct OffsetPanel {
     pub name: String,
     /// See `name`.
     pub panel: usize,
-    /// The panel's patch, and what it is.
-    pub patch: Surface,
-    /// See `patch`.
-    pub kind: PanelKind,
     /// Whether the outer loop runs clockwise in its parameter plane.
     pub mirrored: bool,
     /// What its offset is.
-    pub form: OffsetForm,
+    pub surface: ShellSurface,
     /// Whether the normal of that is the opposite of the patch's.
     pub turned: bool,
     /// Whether the face that is covered has its normal turned over.
@@ -112,14 +83,12 @@ pub fn offset(panel: &Panel, distance: f64, recognised: Option<&RecognisedSurfac
         loops.push(runs);
     }
     let middle = loops.first().and_then(|l| l.first()).map_or([0.0; 2], |r| r.trim.point(0.5));
-    let (form, turned) = form(&panel.strip, middle, distance, recognised);
+    let (surface, turned) = surface(&panel.strip, middle, distance, recognised);
     Ok(OffsetPanel {
         name: panel.strip.name.clone(),
         panel: 0,
-        patch: patch.clone(),
-        kind: panel.strip.kind,
         mirrored: !panel.loops().is_empty() && panel.mirrored(),
-        form,
+        surface,
         turned,
         reversed: false,
         loops,
@@ -221,19 +190,24 @@ fn through(breaks: &[f64], parts: usize, at: &dyn Fn(f64) -> Result<Vec3, NoOffs
 }
 
 /// What the offset of a panel is, and whether the normal of that is the opposite of the patch's; `at` is a place of the panel.
-fn form(strip: &Strip, at: [f64; 2], distance: f64, recognised: Option<&RecognisedSurface>) -> (OffsetForm, bool) {
-    let beside = (OffsetForm::Beside(distance), false);
+fn surface(strip: &Strip, at: [f64; 2], distance: f64, recognised: Option<&RecognisedSurface>) -> (ShellSurface, bool) {
+    let (patch, form) = (strip.patch.clone(), strip.kind.into());
+    let beside = if distance == 0.0 {
+        (ShellSurface::Spline { surface: patch, form }, false)
+    } else {
+        (ShellSurface::Offset { surface: patch, form, distance }, false)
+    };
     let j = strip.patch.jet(at[0], at[1]);
     let Some(normal) = j.normal().try_normalize(0.0) else { return beside };
     match recognised {
         Some(RecognisedSurface::Plane(frame)) => {
             let side = frame.z.dot(&normal).signum();
             let origin = frame.origin + frame.z * (side * distance);
-            (OffsetForm::Plane(Frame { origin, ..*frame }), side < 0.0)
+            (ShellSurface::Plane(Frame { origin, ..*frame }), side < 0.0)
         }
         Some(RecognisedSurface::Cylinder { frame, radius }) => {
             let side = radial(frame, &j.p).dot(&normal).signum();
-            (OffsetForm::Cylinder { frame: *frame, radius: radius + side * distance }, side < 0.0)
+            (ShellSurface::Cylinder { frame: *frame, radius: radius + side * distance }, side < 0.0)
         }
         Some(RecognisedSurface::Cone { frame, half_angle }) => {
             let side = radial(frame, &j.p).dot(&normal).signum();
@@ -242,7 +216,7 @@ fn form(strip: &Strip, at: [f64; 2], distance: f64, recognised: Option<&Recognis
             let height = frame.to_local(&j.p).z;
             let origin = frame.origin + frame.z * height;
             let radius = (height + back) * half_angle.tan();
-            (OffsetForm::Cone { frame: Frame { origin, ..*frame }, radius, half_angle: *half_angle }, side < 0.0)
+            (ShellSurface::Cone { frame: Frame { origin, ..*frame }, radius, half_angle: *half_angle }, side < 0.0)
         }
         _ => beside,
     }
@@ -257,7 +231,7 @@ fn radial(frame: &Frame, p: &Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::torse::strip::Strip;
+    use crate::torse::form::PanelKind;
 
     /// A strip over an arc of radius 50 about the y axis, as a spline, and rulings of 30.
     fn arc() -> Panel {
@@ -284,7 +258,8 @@ mod tests {
         let out = normal.z.signum();
         for (distance, radius) in [(4.0, 54.0), (-4.0, 46.0)] {
             let made = offset(&panel, out * distance, None).expect("an offset");
-            assert_eq!(made.form, OffsetForm::Beside(out * distance));
+            let ShellSurface::Offset { distance: beside, .. } = made.surface else { panic!("beside the patch") };
+            assert_eq!(beside, out * distance);
             assert!(made.edge_error < 1e-6, "{}", made.edge_error);
             for s in [0.1, 0.37, 0.8] {
                 let p = Vec3::from(made.loops[0][0].edge.point(s));
@@ -308,13 +283,15 @@ mod tests {
         let j = panel.strip.patch.jet(0.5, 0.5);
         let out = j.normal().dot(&Vec3::new(j.p.x, 0.0, j.p.z)).signum();
         let made = offset(&panel, 3.0, Some(&RecognisedSurface::Cylinder { frame, radius: 50.0 })).expect("an offset");
-        assert_eq!(made.form, OffsetForm::Cylinder { frame, radius: 50.0 + 3.0 * out });
+        let ShellSurface::Cylinder { frame: own, radius } = made.surface else { panic!("a cylinder") };
+        assert_eq!((own, radius), (frame, 50.0 + 3.0 * out));
         assert_eq!(made.turned, out < 0.0);
         // A cone of half angle 0.5 with its apex in the origin: the offset surface is square to it by the distance.
         let (a, distance) = (0.5_f64, 2.0 * out);
         let half_angle = a;
-        let (form, _) = form(&panel.strip, [0.5, 0.5], distance, Some(&RecognisedSurface::Cone { frame, half_angle }));
-        let OffsetForm::Cone { frame: own, radius, .. } = form else { panic!("a cone") };
+        let (made, _) =
+            surface(&panel.strip, [0.5, 0.5], distance, Some(&RecognisedSurface::Cone { frame, half_angle }));
+        let ShellSurface::Cone { frame: own, radius, .. } = made else { panic!("a cone") };
         let height = own.origin.y;
         // Distance of the point (radius, height) of the half plane from the line through the apex.
         assert!((radius * a.cos() - height * a.sin() - 2.0).abs() < 1e-12, "{radius} {height}");

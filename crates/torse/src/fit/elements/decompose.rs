@@ -20,13 +20,11 @@ pub struct DecomposeOptions {
     pub centre: Vec3,
     /// Size of the surface, mm; default 1. Offsets count in this unit.
     pub size: f64,
-    /// Sequences longer than this look for breaks at every eighth plane first, then near those found; default 400.
-    pub all_breaks: usize,
 }
 
 impl Default for DecomposeOptions {
     fn default() -> Self {
-        Self { noise: LEAST_NOISE, centre: Vec3::zeros(), size: 1.0, all_breaks: 400 }
+        Self { noise: LEAST_NOISE, centre: Vec3::zeros(), size: 1.0 }
     }
 }
 
@@ -53,6 +51,8 @@ pub enum DecomposeError {
 const LEAST_NOISE: f64 = 1e-7;
 /// Least number of planes of a run: two more than determine a cone.
 const SHORTEST: usize = 6;
+/// Planes up to which breaks are looked for everywhere: longer sequences look at every eighth plane first, then near those found.
+const ALL_BREAKS: usize = 400;
 /// Distance of the breaks tried first in long sequences.
 const STRIDE: usize = 8;
 /// Places from which on a run of the second search is too long: four runs of the first, so that all of these and some
@@ -71,14 +71,14 @@ const DOUBT: f64 = 2.0;
 /// their coordinates, `q` counts the conditions on each plane and `f` the parameters of the shape with a share per
 /// plane for its free function: plane `q = 3, f = 3`, cylinder `1, 2 + L/4`, cone `1, 3 + L/4`, tangents
 /// `0, 6 + 3L/8`; a break between two runs of one shape is one parameter more. Neighbours of one shape that fit jointly
-/// are merged. Sequences longer than `all_breaks` are searched with breaks at multiples of eight, then with breaks near
+/// are merged. Sequences of more than 400 planes are searched with breaks at multiples of eight, then with breaks near
 /// those.
 ///
 /// *Guarantee.* Runs cover the sequence without gaps, none is shorter than six planes. *Not guaranteed*: the shapes
 /// themselves. From a noise of 1e-4 on, short pieces of tangent surfaces may pass for cones; `ambiguous` warns of some
 /// of that.
 ///
-/// *Cost.* O(k²) runs for `k ≤ all_breaks`, O((k/8)²) beyond.
+/// *Cost.* O(k²) runs for `k ≤ 400`, O((k/8)²) beyond.
 ///
 /// # Errors
 /// Fewer than six planes, planes that are not finite, options that are not positive.
@@ -94,7 +94,7 @@ pub fn decompose(planes: &[TangentPlane], options: &DecomposeOptions) -> Result<
     let coordinates = coordinates(planes, options)?;
     let noise = options.noise.max(LEAST_NOISE);
     let scale = Scale { variance: noise * noise, per_parameter: (planes.len() as f64).ln() };
-    let found = if planes.len() <= options.all_breaks.max(SHORTEST) {
+    let found = if planes.len() <= ALL_BREAKS {
         cheapest(&coordinates, &(0..=planes.len()).collect::<Vec<_>>(), usize::MAX, &scale)
     } else {
         let mut places: Vec<usize> = (0..=planes.len() / STRIDE).map(|i| i * STRIDE).collect();

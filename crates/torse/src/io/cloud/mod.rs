@@ -17,6 +17,13 @@ pub use error::CloudReadError;
 ///
 /// # Errors
 /// See [`CloudReadError`].
+///
+/// # Example
+/// ```
+/// let scan = torse::io::cloud::read("scan.xyz", b"0 0 0\n1 0 0\n1 1 0.5\n", Some(1000.0))?;
+/// assert_eq!((scan.points.len(), scan.points[2].z), (3, 500.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudReadError> {
     read_noted(name, bytes, unit).map(|(cloud, _)| cloud)
 }

@@ -15,8 +15,9 @@ use std::io;
 
 use crate::geom::Frame;
 use crate::patchwork::panel::Patchwork;
+pub use crate::patchwork::shell_surface::{ShellSurface, SurfaceForm};
 use records::{boolean, list, real, references, string, Records};
-pub use shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface, SurfaceForm};
+pub use shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace};
 
 /// What the file says about itself.
 #[derive(Clone, Debug)]
@@ -35,6 +36,19 @@ pub struct Header {
 ///
 /// # Errors
 /// Those of `out`.
+///
+/// # Example
+/// ```
+/// use torse::io::step::write::{panels, Header};
+/// let plate = torse::read(include_bytes!("../../../../../data/cylinder_holes.step"))?;
+/// let answer = torse::approximate(&plate, &torse::Approximate::new(0.5))?;
+/// let header = Header { name: "plate".into(), time: "2026-01-31T12:00:00".into(), uncertainty: 0.01 };
+/// let mut bytes = Vec::new();
+/// panels(&mut bytes, &header, answer.patchwork(), &[])?;
+/// let back = torse::read_step(&bytes)?;
+/// assert_eq!(back.faces[0].surface, answer.patchwork().panels[0].strip.patch);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn panels(out: &mut dyn io::Write, header: &Header, patchwork: &Patchwork, marked: &[bool]) -> io::Result<()> {
     self::shells(out, header, &sewn::shells(patchwork, marked))
 }

@@ -4,6 +4,18 @@ use crate::develop::view::Drawn;
 use crate::search::cover::{Layout, Limits};
 
 /// What the main job is asked for.
+///
+/// # Example
+/// ```
+/// let model = torse::read(include_bytes!("../../../../../data/cylinder_holes.step"))?;
+/// let mut options = torse::Approximate::new(0.5);
+/// options.limits.min_bend_radius = Some(50.0);
+/// options.input = "plate".into();
+/// let answer = torse::approximate(&model, &options)?;
+/// assert!(answer.input == "plate" && answer.beyond_limits.is_empty());
+/// assert!(answer.patterns()[0].bends.iter().flat_map(|b| b.radii).all(|r| r >= 50.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Deviation bound to reach between model and panels, mm.

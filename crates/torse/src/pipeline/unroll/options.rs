@@ -11,6 +11,18 @@ use crate::pipeline::approximate::ApproximateError;
 pub(super) const UNFOLDED: f64 = 0.5;
 
 /// What the job is asked.
+///
+/// # Example
+/// ```
+/// use torse::develop::unfold::allowance::KFactor;
+/// let bracket = torse::read(include_bytes!("../../../../../data/bracket.step"))?;
+/// let area = |k: KFactor| {
+///     let options = torse::UnrollOptions { k, ..torse::UnrollOptions::new(0.1) };
+///     torse::unroll(&bracket, &options, &torse::Control::default()).map(|answer| answer.patterns()[0].area)
+/// };
+/// assert!(area(KFactor::Ansi(0.5))? > area(KFactor::Ansi(0.33))?, "the neutral fibre lies farther out");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnrollOptions {
     /// Distance (mm) between contours drawn and exact outlines; no default. Lines and arcs of the file stay what they are.

@@ -111,7 +111,7 @@ fn motions_scales_and_flipped_normals_change_nothing() {
             TangentPlane { normal: n * sign, offset: sign * (p.offset * 1e3 - n.dot(&shift)) }
         })
         .collect();
-    let options = DecomposeOptions { centre: shift, size: 1e3, noise: 1e-6, ..DecomposeOptions::default() };
+    let options = DecomposeOptions { centre: shift, size: 1e3, noise: 1e-6 };
     let runs = decompose(&moved, &options).expect("runs");
     assert_eq!(summary(&runs), [(0, 25, "cylinder"), (25, 50, "cone"), (50, 75, "tangent")]);
     let EnvelopeShape::Cone { apex } = runs[1].shape else { panic!("{:?}", runs[1]) };

@@ -1,7 +1,8 @@
 //! Cone splines as shells of exact conical, cylindrical and plane faces that share their junction rulings.
 
-use super::shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
+use super::shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace};
 use crate::geom::{Frame, Vec3};
+use crate::patchwork::shell_surface::ShellSurface;
 use crate::spline::curve::Curve;
 use crate::torse::cone::distance::Round;
 use crate::torse::cone::forms::edge_conic;

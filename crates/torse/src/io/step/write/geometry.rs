@@ -1,8 +1,9 @@
 //! Geometry records: points, placements, curves and surfaces (ISO 10303-42).
 
 use super::records::{boolean, list, real, references, Records};
-use super::shell::{ShellCurve, ShellSurface};
+use super::shell::ShellCurve;
 use crate::geom::{Frame, Vec3};
+use crate::patchwork::shell_surface::{ShellSurface, SurfaceForm};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -91,11 +92,22 @@ pub fn surface(r: &mut Records, s: &ShellSurface) -> u64 {
             let a = placement(r, frame);
             r.push(&format!("CONICAL_SURFACE('',#{a},{},{})", real(*radius), real(*half_angle)))
         }
-        ShellSurface::Spline { surface, form } => spline_surface(r, surface, form.keyword()),
+        ShellSurface::Spline { surface, form } => spline_surface(r, surface, keyword(*form)),
         ShellSurface::Offset { surface, form, distance } => {
-            let base = spline_surface(r, surface, form.keyword());
+            let base = spline_surface(r, surface, keyword(*form));
             r.push(&format!("OFFSET_SURFACE('',#{base},{},.F.)", real(*distance)))
         }
+    }
+}
+
+/// The hint as the standard spells it.
+fn keyword(form: SurfaceForm) -> &'static str {
+    match form {
+        SurfaceForm::Plane => "PLANE_SURF",
+        SurfaceForm::Extrusion => "SURF_OF_LINEAR_EXTRUSION",
+        SurfaceForm::Cone => "GENERALISED_CONE",
+        SurfaceForm::Ruled => "RULED_SURF",
+        SurfaceForm::Unspecified => "UNSPECIFIED",
     }
 }
 

@@ -1,10 +1,11 @@
 //! Sheets of panels that share edges: one shell for all panels that hang together, every shared edge once.
 
-use super::shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
+use super::shell::{EdgeUse, Shell, ShellCurve, ShellEdge, ShellFace};
 use crate::draw::scene::titled;
 use crate::geom::Vec3;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
 use crate::patchwork::seam::Seam;
+use crate::patchwork::shell_surface::ShellSurface;
 use std::collections::{BTreeMap, HashMap};
 
 /// Shells of a patchwork. Panels on both sides of a shared edge are in one shell; its vertices are the ends of edges,

@@ -1,9 +1,10 @@
 //! Shells: faces with shared edges and vertices, as a STEP file has them.
 
-use crate::develop::shop::offsets::{OffsetForm, OffsetPanel};
+use crate::develop::shop::offsets::OffsetPanel;
 use crate::draw::scene::titled;
 use crate::geom::{Frame, Vec3};
 use crate::patchwork::panel::Panel;
+use crate::patchwork::shell_surface::{ShellSurface, SurfaceForm};
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
@@ -75,83 +76,6 @@ pub struct EdgeUse {
     pub trim: Option<Curve<2>>,
 }
 
-/// Surface of a face.
-#[derive(Clone, Debug)]
-pub enum ShellSurface {
-    /// The plane z = 0 of the frame.
-    Plane(Frame),
-    /// Cylinder about the frame's z-axis.
-    Cylinder {
-        /// Axis z; angles from x.
-        frame: Frame,
-        /// Radius, mm.
-        radius: f64,
-    },
-    /// Cone about the frame's z-axis, widening along z.
-    Cone {
-        /// Axis z; angles from x.
-        frame: Frame,
-        /// Radius at z = 0, mm.
-        radius: f64,
-        /// Angle between axis and rulings, rad.
-        half_angle: f64,
-    },
-    /// B-spline surface.
-    Spline {
-        /// The surface.
-        surface: Surface,
-        /// What it is, for readers that care.
-        form: SurfaceForm,
-    },
-    /// The surface at a distance from a B-spline surface.
-    Offset {
-        /// The surface.
-        surface: Surface,
-        /// What it is, for readers that care.
-        form: SurfaceForm,
-        /// The distance, mm, on the side of ∂u × ∂v.
-        distance: f64,
-    },
-}
-
-/// The hint `surface_form` of a B-spline surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfaceForm {
-    /// Plane.
-    Plane,
-    /// Cylinder over any curve.
-    Extrusion,
-    /// Cone over any curve.
-    Cone,
-    /// Other ruled surface.
-    Ruled,
-    /// Freeform.
-    Unspecified,
-}
-
-impl SurfaceForm {
-    pub(super) fn keyword(self) -> &'static str {
-        match self {
-            Self::Plane => "PLANE_SURF",
-            Self::Extrusion => "SURF_OF_LINEAR_EXTRUSION",
-            Self::Cone => "GENERALISED_CONE",
-            Self::Ruled => "RULED_SURF",
-            Self::Unspecified => "UNSPECIFIED",
-        }
-    }
-}
-
-impl From<PanelKind> for SurfaceForm {
-    fn from(kind: PanelKind) -> Self {
-        match kind {
-            PanelKind::Plane => Self::Plane,
-            PanelKind::Cylinder => Self::Extrusion,
-            PanelKind::Cone => Self::Cone,
-            PanelKind::Torse | PanelKind::Ruled => Self::Ruled,
-        }
-    }
-}
-
 impl Shell {
     /// The same shell with names that say that it must not be cut.
     pub fn marked(mut self) -> Self {
@@ -198,19 +122,8 @@ impl Shell {
     /// The offset of a panel, its normal on the side of that of the panel's face.
     pub fn of_offset(offset: &OffsetPanel) -> Self {
         let mut shell = Self { name: offset.name.clone(), ..Self::default() };
-        let surface = || offset.patch.clone();
-        let form = offset.kind.into();
-        let surface = match &offset.form {
-            OffsetForm::Plane(frame) => ShellSurface::Plane(*frame),
-            OffsetForm::Cylinder { frame, radius } => ShellSurface::Cylinder { frame: *frame, radius: *radius },
-            OffsetForm::Cone { frame, radius, half_angle } => {
-                ShellSurface::Cone { frame: *frame, radius: *radius, half_angle: *half_angle }
-            }
-            OffsetForm::Beside(0.0) => ShellSurface::Spline { surface: surface(), form },
-            OffsetForm::Beside(distance) => ShellSurface::Offset { surface: surface(), form, distance: *distance },
-        };
         // Elementary surfaces have parameters of their own.
-        let has_trims = matches!(offset.form, OffsetForm::Beside(_));
+        let has_trims = matches!(offset.surface, ShellSurface::Spline { .. } | ShellSurface::Offset { .. });
         let mut loops = Vec::with_capacity(offset.loops.len());
         for runs in &offset.loops {
             let first = shell.edges.len();
@@ -231,7 +144,7 @@ impl Shell {
             loops.push(uses);
         }
         let reversed = (offset.mirrored != offset.reversed) != offset.turned;
-        shell.faces.push(ShellFace { name: offset.name.clone(), surface, reversed, loops });
+        shell.faces.push(ShellFace { name: offset.name.clone(), surface: offset.surface.clone(), reversed, loops });
         shell
     }
 
