@@ -125,6 +125,9 @@ impl Geometry<'_> {
             let same_sense = base.same_sense == same;
             base = Patch { support, same_sense, rectangle: None, chart: None, ..base };
         }
+        if !offset::keeps_parameters(&base.support) {
+            base = Patch { rectangle: None, chart: None, ..base };
+        }
         let jet = base.support.jet(base.support.foot(&middle, None));
         let side = jet.du.cross(&jet.dv).dot(&indicator);
         let side = if side == 0.0 && base.same_sense { 1.0 } else { side };

@@ -106,6 +106,13 @@ impl<'r, 'a> Geometry<'r, 'a> {
                     base = Patch { support, same_sense: base.same_sense == same, recast: true, ..base };
                 }
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
+                if !offset::keeps_parameters(&base.support) {
+                    if base.rectangle.is_some() {
+                        let what = format!("offset surface #{id}: that of a rectangle of a swept ellipse is not read");
+                        return Err(Fault::new(id, what));
+                    }
+                    base.recast = true;
+                }
                 let (support, deviation) = offset::of_support(&base.support, distance)
                     .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
                 Ok(Patch { support, kind: SurfaceKind::Offset, deviation: deviation.over(base.deviation), ..base })
