@@ -87,12 +87,28 @@ pub(crate) fn of_support(
 
 /// Whether the offset of a surface has its natural parameters: where an ellipse is swept it has those of a spline.
 pub(crate) fn keeps_parameters(base: &SupportSurface) -> bool {
-    match base {
-        SupportSurface::Extrusion { directrix, .. } | SupportSurface::Revolution { directrix, .. } => {
-            !matches!(directrix, SpaceCurve::Ellipse { .. })
-        }
-        _ => true,
-    }
+    swept_ellipse(base).is_none()
+}
+
+/// A rectangle of natural parameters of a surface in those of its offset.
+pub(crate) fn rectangle_of_offset(base: &SupportSurface, mut rectangle: [(f64, f64); 2]) -> [(f64, f64); 2] {
+    let Some((axis, ellipse)) = swept_ellipse(base) else { return rectangle };
+    let Ok((_, map)) = ellipse.to_spline(0.0, TAU) else { return rectangle };
+    // Turn by turn, as the map is for one.
+    let forward = |t: f64| map.forward(t.rem_euclid(TAU)) + (t / TAU).floor() * TAU;
+    let (from, to) = rectangle[axis];
+    rectangle[axis] = (forward(from), forward(to));
+    rectangle
+}
+
+/// The ellipse that a surface is swept by, and which of its parameters is that of the ellipse.
+fn swept_ellipse(base: &SupportSurface) -> Option<(usize, &SpaceCurve)> {
+    let (axis, directrix) = match base {
+        SupportSurface::Extrusion { directrix, .. } => (0, directrix),
+        SupportSurface::Revolution { directrix, .. } => (1, directrix),
+        _ => return None,
+    };
+    matches!(directrix, SpaceCurve::Ellipse { .. }).then_some((axis, directrix))
 }
 
 /// The curve whose extrusion is the offset of that of `directrix`. Normals are the same all along a ruling, so that what a stretch of
@@ -412,6 +428,14 @@ mod tests {
         for distance in [2.0, -5.0] {
             let (o, deviation) = of_support(&base, distance).expect("an offset");
             assert!(o.periods()[0].is_some() && deviation.bound < 1e-2 && !keeps_parameters(&base), "{deviation:?}");
+            // Ends of a rectangle beyond one turn are at the same places of both.
+            let [(from, to), _] = rectangle_of_offset(&base, [(2.0, TAU + 1.0), (0.0, 1.0)]);
+            for (t, u) in [(2.0, from), (TAU + 1.0, to)] {
+                let j = base.jet([t, 0.0]);
+                let x = j.p + j.du.cross(&j.dv).normalize() * distance;
+                assert!((o.jet([u, 0.0]).p - x).norm() < deviation.bound + 1e-9, "{t} {u}");
+            }
+            assert!((0.0..TAU).contains(&(to - from)));
             are_beside(&base, (&o, deviation), distance, &[[0.1, -400.0], [2.37, 0.0], [5.8, 3000.0]]);
         }
         let directrix = SpaceCurve::Parabola { frame: Frame::world(), focal: 1.0 };

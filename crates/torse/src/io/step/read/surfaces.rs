@@ -107,10 +107,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 }
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
                 if !offset::keeps_parameters(&base.support) {
-                    if base.rectangle.is_some() {
-                        let what = format!("offset surface #{id}: that of a rectangle of a swept ellipse is not read");
-                        return Err(Fault::new(id, what));
-                    }
+                    base.rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r));
                     base.recast = true;
                 }
                 let (support, deviation) = offset::of_support(&base.support, distance)
