@@ -67,6 +67,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
             UnrollError::Edge(_) => "bend_table.csv of a run without --bends names the edges of sharp bends",
             UnrollError::CoversSurfacesOnly => "give --surfaces with --approximate",
             UnrollError::Approximate(_) => "leave out --approximate, or ask for another distance",
+            UnrollError::Round(_) => "cover it with 'torse approximate', or cut it into pieces that are less round",
             UnrollError::Nothing { .. } if options.surfaces && options.approximate.is_none() => {
                 "--approximate 1mm covers faces that are not developable by panels within that distance"
             }

@@ -82,6 +82,24 @@ fn cones_up_to_their_tips_are_proven() {
     }
 }
 
+/// A pipe with holes and a cone with holes: what is proven is not far above what they are drawn to, though their patches have creases
+/// and their bend lines tell of rulings beyond them.
+#[test]
+fn round_parts_with_holes_are_proven_near_their_tolerance() {
+    const TOLERANCE: f64 = 0.05;
+    let files: [&[u8]; 2] =
+        [include_bytes!("../../../data/cylinder_holes.step"), include_bytes!("../../../data/cone_holes.step")];
+    for bytes in files {
+        let model = torse::read(bytes).expect("a model");
+        let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(TOLERANCE) };
+        let mut answer = torse::unroll(&model, &options, &Control::default()).expect("flat parts");
+        let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+        let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
+        let p = &report.parts[0];
+        assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 1.5 * TOLERANCE), "{p:?}");
+    }
+}
+
 /// Plane quadrilaterals of one strip, which meet in folds, some of them nearly triangles: each is judged with its own part.
 #[test]
 fn all_quadrilaterals_of_a_strip_are_proven() {
@@ -108,12 +126,12 @@ fn fans_between_planes_are_proven() {
     let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.05) };
     let mut flat = torse::unroll(&model, &options, &Control::default()).expect("flat parts");
     let unrolled: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    for files in [files, unrolled] {
+    for (files, bound) in [(files, 0.02), (unrolled, 0.3)] {
         let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
         assert!(report.left.is_empty(), "{report:?}");
         let panels: Vec<_> = report.parts.iter().flat_map(|p| &p.panels).collect();
         assert_eq!(panels.len(), 8, "{report:?}");
-        assert!(panels.iter().all(|p| p.distance_bound.is_some_and(|b| b < 0.3)), "{panels:?}");
+        assert!(panels.iter().all(|p| p.distance_bound.is_some_and(|b| b < bound)), "{panels:?}");
         assert!(report.parts.iter().all(|p| p.matched_estimate < 0.01), "{report:?}");
     }
 }

@@ -10,9 +10,30 @@ use crate::spline::knots::Knots;
 /// with `F(u, v) = ∫_{u₀}^{u} |S_u × S_v| du` and `u₀` the left end of the loops; eight Gauss points on each quarter of a
 /// knot span in both directions. An estimate: exact to rounding only where the integrand is smooth.
 pub fn area_estimate(face: &Face) -> f64 {
+    integral(face, &|u, v| face.surface.jet(u, v).normal().norm())
+}
+
+/// What the absolute Gaussian curvature of a face adds up to, by the same quadrature: 4π on a whole sphere, 8π on a torus.
+pub fn total_curvature_estimate(face: &Face) -> f64 {
+    let density = |u: f64, v: f64| {
+        let jet = face.surface.jet(u, v);
+        let normal = jet.normal();
+        let [l, m, n] = jet.second_form(&normal);
+        let cube = normal.norm().powi(3);
+        // Poles have no curvature of their own.
+        if cube > 0.0 {
+            (l * n - m * m).abs() / cube
+        } else {
+            0.0
+        }
+    };
+    integral(face, &density)
+}
+
+/// The integral of a density of the parameter plane over a face.
+fn integral(face: &Face, density: &dyn Fn(f64, f64) -> f64) -> f64 {
     let s = &face.surface;
     let (bu, bv) = (breaks(&s.knots_u), breaks(&s.knots_v));
-    let density = |u: f64, v: f64| s.jet(u, v).normal().norm();
     // Nothing to the left of the loops is integrated.
     let start = face.loops.iter().flat_map(|l| &l.points).map(|p| p[0]).fold(f64::INFINITY, f64::min);
     let inner = |u: f64, v: f64| -> f64 {

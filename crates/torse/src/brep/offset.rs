@@ -1,15 +1,18 @@
 //! Offset surfaces: exact for the support surfaces whose offsets are of their own kind, interpolated for the rest. The offset of an
-//! extruded curve is the extruded offset of it: a stretch is interpolated, and one of its parameter lines extruded anew.
+//! extruded curve is the extruded offset of it: a stretch is interpolated, and one of its parameter lines extruded anew. So is that of
+//! a curve turned about an axis in its plane: across that plane the curve is extruded, and one line turned anew.
 
 use super::offset_bound::distance_from_offset;
 use super::raw::SurfaceDeviation;
-use super::space_curve::SpaceCurve;
+use super::space_curve::{SpaceCurve, COINCIDENT};
 use super::support_surface::{SplineSupport, SupportSurface};
+use super::swept;
 use crate::geom::{BBox, Frame, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::surface::{Surface, NO_NORMAL};
 use crate::spline::SplineError;
 use nalgebra::DMatrix;
+use std::f64::consts::TAU;
 
 /// Why an offset cannot be formed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,7 +21,7 @@ pub(crate) enum OffsetError {
     #[error("an offset of {0} mm passes the axis or centre of the surface")]
     Vanishes(f64),
     /// The surface has no own bounds, so it cannot be sampled.
-    #[error("the offset of an endless swept surface is read where a spline is extruded, not of other ones")]
+    #[error("the offset of an endless swept surface is read where a spline or an ellipse is moved, or turned in the plane of its axis")]
     Endless,
     /// The normal is not defined everywhere.
     #[error("the surface has a point without a normal, where its offset is not defined")]
@@ -73,30 +76,122 @@ pub(crate) fn of_support(
         SupportSurface::Spline(_) if distance == 0.0 => exact(base.clone()),
         SupportSurface::Spline(s) => interpolated(&s.surface, distance),
         SupportSurface::Extrusion { .. } if distance == 0.0 => exact(base.clone()),
-        SupportSurface::Extrusion { directrix, direction } => extruded(base, directrix, direction, distance),
-        SupportSurface::Revolution { .. } => Err(OffsetError::Endless),
+        SupportSurface::Extrusion { directrix, direction } => {
+            let (line, deviation) = beside(directrix, direction, distance)?;
+            Ok((SupportSurface::Extrusion { directrix: line, direction: *direction }, deviation))
+        }
+        SupportSurface::Revolution { .. } if distance == 0.0 => exact(base.clone()),
+        SupportSurface::Revolution { directrix, frame } => turned(directrix, frame, distance),
     }
 }
 
-/// The offset of an extrusion, as endless as it is. Normals are the same all along a ruling, so that what a stretch of the offset is
-/// off holds for all of it.
-fn extruded(
-    base: &SupportSurface,
+/// Whether the offset of a surface has its natural parameters: where an ellipse is swept it has those of a spline.
+pub(crate) fn keeps_parameters(base: &SupportSurface) -> bool {
+    swept_ellipse(base).is_none()
+}
+
+/// A rectangle of natural parameters of a surface in those of its offset.
+pub(crate) fn rectangle_of_offset(base: &SupportSurface, mut rectangle: [(f64, f64); 2]) -> [(f64, f64); 2] {
+    let Some((axis, ellipse)) = swept_ellipse(base) else { return rectangle };
+    let Ok((_, map)) = ellipse.to_spline(0.0, TAU) else { return rectangle };
+    // Turn by turn, as the map is for one.
+    let forward = |t: f64| map.forward(t.rem_euclid(TAU)) + (t / TAU).floor() * TAU;
+    let (from, to) = rectangle[axis];
+    rectangle[axis] = (forward(from), forward(to));
+    rectangle
+}
+
+/// The ellipse that a surface is swept by, and which of its parameters is that of the ellipse.
+fn swept_ellipse(base: &SupportSurface) -> Option<(usize, &SpaceCurve)> {
+    let (axis, directrix) = match base {
+        SupportSurface::Extrusion { directrix, .. } => (0, directrix),
+        SupportSurface::Revolution { directrix, .. } => (1, directrix),
+        _ => return None,
+    };
+    matches!(directrix, SpaceCurve::Ellipse { .. }).then_some((axis, directrix))
+}
+
+/// The curve whose extrusion is the offset of that of `directrix`. Normals are the same all along a ruling, so that what a stretch of
+/// the offset is off holds for all of it.
+fn beside(
     directrix: &SpaceCurve,
     direction: &Vec3,
     distance: f64,
-) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
-    // Splines keep their parameters, which files may use; conics would not.
-    let SpaceCurve::Spline(curve) = directrix else { return Err(OffsetError::Endless) };
-    let range = curve.domain();
+) -> Result<(SpaceCurve, SurfaceDeviation), OffsetError> {
+    let range = whole(directrix)?;
     let points: Vec<Vec3> = directrix.stations(range.0, range.1).iter().map(|t| directrix.point(*t)).collect();
     // A stretch about as long as the curve.
     let long = BBox::of(&points).diagonal() / direction.norm();
-    let (stretch, _) = base.to_spline(range, (0.0, long))?;
+    let (stretch, _) = swept::extrude(directrix, direction, range, (0.0, long))?;
     let (support, deviation) = interpolated(&stretch, distance)?;
     let SupportSurface::Spline(offset) = support else { return Err(OffsetError::Endless) };
     let line = offset.surface.curve_at_v(offset.surface.knots_v.domain().0);
-    Ok((SupportSurface::Extrusion { directrix: SpaceCurve::Spline(line), direction: *direction }, deviation))
+    Ok((SpaceCurve::Spline(line), deviation))
+}
+
+/// The range of a curve of which an offset is read.
+fn whole(directrix: &SpaceCurve) -> Result<(f64, f64), OffsetError> {
+    match directrix {
+        SpaceCurve::Spline(c) => Ok(c.domain()),
+        SpaceCurve::Ellipse { .. } => Ok((0.0, TAU)),
+        _ => Err(OffsetError::Endless),
+    }
+}
+
+/// Share of the size within which a curve lies in the plane of its axis: rounding of coordinates.
+const IN_PLANE: f64 = 1e-12;
+/// Against what a curve is off that plane, by how much more its offset may be off: normals lean by more than points move.
+const LEAN: f64 = 1e3;
+/// Places on every span of a curve at which it must be on its side of the axis.
+const PLACES: usize = 16;
+
+/// The offset of a surface of revolution: that of its curve in the plane of the axis, turned.
+fn turned(
+    directrix: &SpaceCurve,
+    frame: &Frame,
+    distance: f64,
+) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
+    // The curve is in every plane that holds these.
+    let within: Vec<Vec3> = match directrix {
+        SpaceCurve::Spline(c) => c.control.iter().map(|h| Vec3::new(h[0], h[1], h[2]) / h[3]).collect(),
+        SpaceCurve::Ellipse { frame: own, a, b } => {
+            vec![own.origin, own.origin + own.x * *a, own.origin + own.y * *b]
+        }
+        _ => return Err(OffsetError::Endless),
+    };
+    let own: Vec<Vec3> = within.iter().map(|p| frame.to_local(p)).collect();
+    let Some(far) = own.iter().max_by(|p, q| p.x.hypot(p.y).total_cmp(&q.x.hypot(q.y))) else {
+        return Err(OffsetError::Endless);
+    };
+    let size = own.iter().fold(distance.abs(), |m: f64, p| m.max(p.amax()));
+    let range = whole(directrix)?;
+    // To the side of the axis on which the curve is.
+    let middle = frame.to_local(&directrix.point(0.5 * (range.0 + range.1)));
+    let side = if far.x * middle.x + far.y * middle.y < 0.0 { -1.0 } else { 1.0 };
+    let out = Vec3::new(far.x, far.y, 0.0).normalize() * side;
+    let off = own.iter().map(|p| (out.x * p.y - out.y * p.x).abs()).fold(0.0, f64::max);
+    let is_flat = off <= IN_PLANE * size;
+    if !is_flat {
+        return Err(OffsetError::Endless);
+    }
+    let radius = |curve: &SpaceCurve, t: f64| frame.to_local(&curve.point(t)).dot(&out);
+    let is_beside = |curve: &SpaceCurve, (from, to): (f64, f64)| {
+        let stations = curve.stations(from, to);
+        stations.windows(2).all(|w| {
+            (0..=PLACES).all(|k| radius(curve, w[0] + (w[1] - w[0]) * k as f64 / PLACES as f64) >= -COINCIDENT * size)
+        })
+    };
+    if !is_beside(directrix, range) {
+        return Err(OffsetError::Endless);
+    }
+    // Turned, the curve moves along z × out first, and the normal is that of the surface moved against it.
+    let across = frame.vector_to_world(&Vec3::new(out.y, -out.x, 0.0));
+    let (line, deviation) = beside(directrix, &across, distance)?;
+    if !is_beside(&line, whole(&line)?) {
+        return Err(OffsetError::Vanishes(distance));
+    }
+    let bound = (deviation.bound + LEAN * off).next_up();
+    Ok((SupportSurface::Revolution { directrix: line, frame: *frame }, SurfaceDeviation { bound, ..deviation }))
 }
 
 /// Interpolates the offset at Greville points over ever finer knots. What it is off is proven, not sampled.
@@ -269,6 +364,54 @@ mod tests {
         }
     }
 
+    /// Offsets at places of the base are on the offset, within what is proven.
+    fn are_beside(
+        base: &SupportSurface,
+        (o, deviation): (&SupportSurface, SurfaceDeviation),
+        distance: f64,
+        places: &[[f64; 2]],
+    ) {
+        for q in places {
+            let j = base.jet(*q);
+            let x = j.p + j.du.cross(&j.dv).normalize() * distance;
+            let off = (o.jet(o.foot(&x, None)).p - x).norm();
+            assert!(off <= deviation.bound + 1e-9, "{q:?}: {off:e} {deviation:?}");
+        }
+    }
+
+    #[test]
+    fn the_offset_of_a_turned_curve_is_turned() {
+        let f = Frame::world();
+        let upright = Frame { origin: Vec3::new(100.0, 0.0, 5.0), x: Vec3::x(), y: Vec3::z(), z: -Vec3::y() };
+        let ring = SpaceCurve::Ellipse { frame: upright, a: 40.0, b: 25.0 };
+        let knots = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+        // A dish from the axis, and the same on the other side of it.
+        let dish = |side: f64| {
+            let control = [[0.0, 0.0], [20.0, 0.0], [30.0, 5.0], [30.0, 20.0]].map(|[x, z]| [side * x, 0.0, z, 1.0]);
+            SpaceCurve::Spline(Curve { knots: knots.clone(), control: control.to_vec() })
+        };
+        for (directrix, places) in
+            [(ring, [0.1, 2.37, 5.8]), (dish(1.0), [0.01, 0.4, 0.9]), (dish(-1.0), [0.01, 0.4, 0.9])]
+        {
+            let base = SupportSurface::Revolution { directrix, frame: f };
+            for distance in [3.0, -5.0] {
+                let (o, deviation) = of_support(&base, distance).expect("an offset");
+                assert!(matches!(o, SupportSurface::Revolution { .. }) && deviation.bound < 1e-2, "{deviation:?}");
+                let places: Vec<[f64; 2]> = places.iter().map(|v| [7.0 * v, *v]).collect();
+                are_beside(&base, (&o, deviation), distance, &places);
+            }
+        }
+        // A tube thinner than its ring goes through the axis when it is made thick; a curve that leaves its plane is no meridian.
+        let thick = SupportSurface::Revolution {
+            directrix: SpaceCurve::Ellipse { frame: upright, a: 40.0, b: 25.0 },
+            frame: f,
+        };
+        assert!(matches!(of_support(&thick, 70.0), Err(OffsetError::Vanishes(_))));
+        let leaning = Frame { x: Vec3::new(0.8, 0.6, 0.0), z: Vec3::new(0.6, -0.8, 0.0), ..upright };
+        let directrix = SpaceCurve::Ellipse { frame: leaning, a: 40.0, b: 25.0 };
+        assert_eq!(of_support(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
+    }
+
     #[test]
     fn the_offset_of_an_extruded_curve_is_as_endless_as_it_is() {
         let knots = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
@@ -278,12 +421,22 @@ mod tests {
         for distance in [2.0, -1.5] {
             let (o, deviation) = of_support(&base, distance).expect("an offset");
             assert!(matches!(o, SupportSurface::Extrusion { .. }) && deviation.bound < 1e-3, "{deviation:?}");
-            for q in [[0.1, -400.0], [0.37, 0.0], [0.8, 3000.0]] {
-                let j = base.jet(q);
+            are_beside(&base, (&o, deviation), distance, &[[0.1, -400.0], [0.37, 0.0], [0.8, 3000.0]]);
+        }
+        let directrix = SpaceCurve::Ellipse { frame: Frame::world(), a: 40.0, b: 25.0 };
+        let base = SupportSurface::Extrusion { directrix, direction: Vec3::new(0.0, 0.3, 1.0) };
+        for distance in [2.0, -5.0] {
+            let (o, deviation) = of_support(&base, distance).expect("an offset");
+            assert!(o.periods()[0].is_some() && deviation.bound < 1e-2 && !keeps_parameters(&base), "{deviation:?}");
+            // Ends of a rectangle beyond one turn are at the same places of both.
+            let [(from, to), _] = rectangle_of_offset(&base, [(2.0, TAU + 1.0), (0.0, 1.0)]);
+            for (t, u) in [(2.0, from), (TAU + 1.0, to)] {
+                let j = base.jet([t, 0.0]);
                 let x = j.p + j.du.cross(&j.dv).normalize() * distance;
-                let off = (o.jet(o.foot(&x, None)).p - x).norm();
-                assert!(off <= deviation.bound + 1e-9, "{off:e} {deviation:?}");
+                assert!((o.jet([u, 0.0]).p - x).norm() < deviation.bound + 1e-9, "{t} {u}");
             }
+            assert!((0.0..TAU).contains(&(to - from)));
+            are_beside(&base, (&o, deviation), distance, &[[0.1, -400.0], [2.37, 0.0], [5.8, 3000.0]]);
         }
         let directrix = SpaceCurve::Parabola { frame: Frame::world(), focal: 1.0 };
         assert!(of_support(&SupportSurface::Extrusion { directrix, direction: Vec3::z() }, 1.0).is_err());

@@ -7,8 +7,8 @@
 //! *Proof.* Φ takes places of the strip to parameters of the panel's patch S. It is bilinear on every span, so it is continuous,
 //! and its Jacobian has one sign at the corners of all cells and therefore everywhere: it does not fold. 1. `|X − S∘Φ| ≤ δ`: on
 //! a cell the difference is within `(|D_ss| + |D_vv|)/8` of the bilinear function through its corners, whose norm is
-//! greatest in a corner; where a knot line of S is less than C¹, within a quarter of what its first derivatives range over, or, if
-//! only a share of the cell is beyond it, within that share of the range, twice, and the eighth. `X` moves evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most
+//! greatest in a corner; where a knot line of S is less than C¹, along the span within a quarter of what its first derivatives range
+//! over, or, if only a share of the cell is beyond it, within that share of the range, twice, and the eighth. `X` moves evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most
 //! \[DC76\]; derivatives of S are enclosed over boxes \[MKC09\]. 2. The lines Φ∘γ and the panel's border are joined by
 //! segments of the parameter plane, whose images are no longer than β. A place of the panel off these segments is enclosed by
 //! Φ∘γ as often as by the border: it is Φ of a place of T. A place `y` of T whose Φ(y) is off them is, because Φ does not
@@ -269,15 +269,16 @@ impl<'a> Judge<'a> {
                     Interval::point(length_bound(&first.map(|x| Interval::point(x.width()))))
                 };
                 let turning = Interval::point(length_bound(&self.turning(k, v)));
-                let (along, across) = (range(self.along_span(k, v)) + turning, range(slopes) * wide);
-                let quarter = (ends + (along + across).scale_exact(0.25)).hi;
+                let along = range(self.along_span(k, v)) + turning;
+                let across = Interval::point(worse(self.across(k, a, wide), self.across(k + 1, b, wide)));
+                let quarter = (ends + along.scale_exact(0.25) + across).hi;
                 // Where all but a share of the span is beside the crease, the rest is off by no more than its share of that, and
                 // moves the chord by as much.
                 let speed = self.along_span(k, v)[0].mig();
                 let less = self.tensor.beside_crease(box_).filter(|_| speed > 0.0).map(|beyond| {
                     let share = Interval::point(beyond) / Interval::point(speed);
                     let smooth = Interval::point(length_bound(&bends)).scale_exact(0.125);
-                    (ends + smooth + (share * along).scale_exact(2.0) + across.scale_exact(0.25)).hi
+                    (ends + smooth + (share * along).scale_exact(2.0) + across).hi
                 });
                 return less.map_or(quarter, |l| l.min(quarter));
             }
@@ -286,6 +287,20 @@ impl<'a> Judge<'a> {
             (ends + eighth).hi
         };
         (0..CELLS).map(cell).fold(0.0, worse)
+    }
+
+    /// Bound of the distance of the patch from its chord along a ruling, over the box of its places and so long: an eighth of
+    /// the second derivative, or a quarter of what the first ranges over where the ruling crosses a crease.
+    fn across(&self, ruling: usize, box_: [Interval; 2], wide: Interval) -> f64 {
+        let jet = self.tensor.affine_over(box_);
+        let slope = self.asked.places[ruling].slope.map(Interval::point);
+        let bound = if self.tensor.creased(box_) {
+            let first = add(&scale(&jet.du, slope[0]), &scale(&jet.dv, slope[1]));
+            (Interval::point(length_bound(&first.map(|x| Interval::point(x.width())))) * wide).scale_exact(0.25)
+        } else {
+            Interval::point(length_bound(&scale(&second(&jet, slope), wide.sqr()))).scale_exact(0.125)
+        };
+        bound.hi
     }
 
     /// `X_ss` over a span for ways along its rulings.

@@ -3,6 +3,7 @@
 //! *Method*. A curve is followed from point to point, each pulled to the nearest place of the faces within their edges and from
 //! there mapped to the plane by the maps that laid the part flat. Where it leaves the faces, and where its image leaps because
 //! the part is cut open there, its ends are found by halving; between them chords are halved until they keep to a distance.
+//! What lies on the other skin of a sheet has its foot on that which is laid flat, a thickness away along the normal.
 //! Everything here is measured, not proven.
 
 use super::refold::atlas::{Atlas, OnPanel};
@@ -23,6 +24,17 @@ pub(crate) struct Target {
     rough: f64,
     /// Distance (mm) that images on both sides of a sharp bend may be apart.
     leap: f64,
+    /// Where the other skin of the sheet is, for every face: its distance (mm) along the normal; none of surfaces.
+    other_skin: Vec<f64>,
+}
+
+/// The skin of a sheet on which curves are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Skin {
+    /// That which is laid flat.
+    Laid,
+    /// The other one.
+    Other,
 }
 
 /// A curve as it is followed: its parameter is the number of the piece and a share of its domain.
@@ -39,6 +51,8 @@ pub(crate) struct CarryOptions {
     pub within: f64,
     /// Distance (mm) of lines drawn from the images of curves; no default.
     pub chord: f64,
+    /// On which skin; no default.
+    pub skin: Skin,
 }
 
 /// What a curve leaves on a part.
@@ -128,7 +142,37 @@ impl Target {
             bounds.include(&b.max);
         }
         let size = pattern.length.max(pattern.area.sqrt());
-        Self { atlas, bounds, loops: outlines(pattern, size), rough: pattern.contour_error.max(0.0), leap }
+        let (loops, rough) = (outlines(pattern, size), pattern.contour_error.max(0.0));
+        Self { atlas, bounds, loops, rough, leap, other_skin: Vec::new() }
+    }
+
+    /// The same part of a sheet, the other skin of which is so far (mm) along the normals of its faces, in their order.
+    pub fn of_sheet(self, other_skin: Vec<f64>) -> Self {
+        Self { other_skin, ..self }
+    }
+
+    /// Whether it has another skin.
+    pub fn is_sheet(&self) -> bool {
+        !self.other_skin.is_empty()
+    }
+
+    /// How far (mm) the skin may be from the faces.
+    fn depth(&self, skin: Skin) -> f64 {
+        match skin {
+            Skin::Laid => 0.0,
+            Skin::Other => self.other_skin.iter().fold(0.0, |m, d| m.max(d.abs())),
+        }
+    }
+
+    /// A place told from the skin: what is off it; `None` where there is none.
+    fn on_skin(&self, x: &Vec3, on: OnPanel, skin: Skin) -> Option<OnPanel> {
+        if skin == Skin::Laid {
+            return Some(on);
+        }
+        let jet = self.atlas.panels[on.panel].panel.surface.jet(on.uv[0], on.uv[1]);
+        let normal = jet.normal().try_normalize(0.0)?;
+        let there = jet.p + normal * *self.other_skin.get(on.panel)?;
+        Some(OnPanel { off: (x - there).norm(), ..on })
     }
 
     /// Distance (mm) of a point from the box around the part.
@@ -143,8 +187,8 @@ impl Target {
 
     /// A point as a cross of two lines on the pattern, as far as these are inside it, and its distance (mm) from the part; `None`
     /// where it lies on no face.
-    pub fn cross(&self, x: &Vec3, within: f64) -> Option<(Vec<Vec<Vec2>>, f64)> {
-        let (on, p) = self.spot(0.0, *x, None, within).place?;
+    pub fn cross(&self, x: &Vec3, within: f64, skin: Skin) -> Option<(Vec<Vec<Vec2>>, f64)> {
+        let (on, p) = self.spot(0.0, *x, None, (within, skin)).place?;
         let all = self.loops.iter().flatten();
         let (low, high) = all.fold((p, p), |(l, h), q| (l.inf(q), h.sup(q)));
         let arm = ARM * (high - low).norm();
@@ -155,13 +199,13 @@ impl Target {
     /// The lines of a curve.
     pub fn carried(&self, path: &Path, options: &CarryOptions) -> Carried {
         let gap = (self.bounds.min - path.bounds.max).sup(&(path.bounds.min - self.bounds.max)).max();
-        if gap > options.within {
+        if gap > options.within + self.depth(options.skin) {
             return Carried { on: vec![false; path.at.len()], ..Carried::default() };
         }
         let mut spots: Vec<Spot> = Vec::with_capacity(path.at.len());
         for s in &path.at {
             let before = spots.last().copied();
-            spots.push(self.spot(*s, path.point(*s), before.as_ref(), options.within));
+            spots.push(self.spot(*s, path.point(*s), before.as_ref(), (options.within, options.skin)));
         }
         let mut walk = Walk { target: self, path, options, lines: vec![Vec::new()], left: MOST };
         for w in spots.windows(2) {
@@ -188,10 +232,11 @@ impl Target {
         out
     }
 
-    /// The place of a point, near that of the point before where that is near enough.
-    fn spot(&self, s: f64, x: Vec3, before: Option<&Spot>, within: f64) -> Spot {
-        let near = before.and_then(|b| self.atlas.beside(&x, &b.place?.0)).filter(|on| on.off <= within);
-        let on = near.or_else(|| self.atlas.within(&x, within).filter(|on| on.off <= within));
+    /// The place of a point within a distance of a skin, near that of the point before where that is near enough.
+    fn spot(&self, s: f64, x: Vec3, before: Option<&Spot>, (within, skin): (f64, Skin)) -> Spot {
+        let told = |on: OnPanel| self.on_skin(&x, on, skin).filter(|on| on.off <= within);
+        let near = before.and_then(|b| self.atlas.beside(&x, &b.place?.0)).and_then(told);
+        let on = near.or_else(|| self.atlas.within(&x, within + self.depth(skin)).and_then(told));
         Spot { s, x, place: on.map(|on| (on, self.atlas.flat(&on))) }
     }
 }
@@ -224,7 +269,7 @@ struct Walk<'w, 'a> {
 impl Walk<'_, '_> {
     fn at(&mut self, s: f64, near: &Spot) -> Spot {
         self.left = self.left.saturating_sub(1);
-        self.target.spot(s, self.path.point(s), Some(near), self.options.within)
+        self.target.spot(s, self.path.point(s), Some(near), (self.options.within, self.options.skin))
     }
 
     /// Whether the image goes on from one point to another.

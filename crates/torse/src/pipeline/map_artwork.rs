@@ -58,7 +58,7 @@ pub fn read_map(
             return Err(MapError::Part { name: name.into(), known });
         }
     }
-    let all = panels(file, &folder.report.job).map_err(MapError::Panels)?;
+    let all = panels(file, &folder.report.job, folder.report.tolerance).map_err(MapError::Panels)?;
     let made: Vec<Result<MapPart, (String, String)>> = folder
         .parts
         .par_iter()

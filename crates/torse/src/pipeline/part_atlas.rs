@@ -14,6 +14,7 @@ use crate::develop::unfold::allowance::{Fibre, KFactor};
 use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
 use crate::io::json::NeutralRecord;
+use crate::io::model::ReadOptions;
 use crate::io::result_folder::{ResultFolder, ResultPart};
 use crate::io::step::read as step;
 use std::collections::HashMap;
@@ -108,18 +109,23 @@ pub enum Panels {
     Strips(HashMap<String, PanelPatch>),
 }
 
-/// Reads the panels of a result.
+/// Share of a result's tolerance that chords of the trims of its panels may keep from these: the distance that is proven counts them
+/// twice.
+const CHORDS: f64 = 0.1;
+
+/// Reads the panels of a result, with its tolerance (mm).
 ///
 /// # Errors
 /// In plain words, with the name of the file.
-pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panels, String> {
+pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str, tolerance: f64) -> Result<Panels, String> {
     let name = if job == "cones" { CONES } else { PANELS };
     let bytes = file(name).ok_or(format!("{name} is missing"))?;
     let fault = |e: String| format!("{name}: {e}");
     // Of a fit either all strips are trimmed or none.
     let trimmed = job == "fit" && step::own::faces(&bytes).is_ok();
     if trimmed || matches!(job, "approximate" | "unroll" | "cones") {
-        let model = step::read(&bytes).map_err(|e| fault(e.to_string()))?;
+        let options = ReadOptions { chord_tolerance: Some(CHORDS * tolerance) };
+        let model = step::read_with(&bytes, &options).map_err(|e| fault(e.to_string()))?;
         let name = |f: &Face| if job == "cones" { of_chain(plain(&f.name)) } else { plain(&f.name) };
         let named = model.faces.into_iter().map(|f| (name(&f), f));
         return Ok(Panels::Faces(named.collect()));

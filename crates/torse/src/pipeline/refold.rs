@@ -75,7 +75,7 @@ pub struct RefoldAnswer {
 /// ```
 pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync), control: &Control) -> Result<RefoldAnswer, FolderError> {
     let folder = read(file)?;
-    let in_space = panels(file, &folder.report.job);
+    let in_space = panels(file, &folder.report.job, folder.report.tolerance);
     let made: Vec<_> = folder
         .parts
         .par_iter()

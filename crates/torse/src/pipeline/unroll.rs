@@ -11,7 +11,7 @@ mod tests;
 
 pub use bodies::groups;
 use options::UNFOLDED;
-pub use options::{UnrollError, UnrollOptions};
+pub use options::{TooRound, UnrollError, UnrollOptions};
 
 use crate::answer::joints::apart;
 use crate::answer::note::{Note, UnrollNote};

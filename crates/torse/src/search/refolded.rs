@@ -16,6 +16,7 @@ use crate::develop::refold::drawn::{bounds, inside, FlatPart};
 use crate::develop::refold::leaf::{Leaf, Refolded};
 use crate::geom::placement::Placement;
 use crate::geom::Vec2;
+use crate::spline::knots::Knots;
 use crate::torse::ribbon::pose::{Pose, Rates};
 use crate::torse::ribbon::{Ribbon, Span};
 use rayon::prelude::*;
@@ -23,6 +24,10 @@ use std::ops::Range;
 
 /// Turn (rad) over a span that is judged at most.
 const FINE: f64 = 4e-3;
+/// What enclosures of second derivatives over a span may leave (share of the size of the part): spans of wide bends are finer.
+const NEAR: f64 = 1e-6;
+/// Times by which they are finer at most.
+const FINER: f64 = 4.0;
 /// How far (in spans) an outline may lie beyond the rulings that were laid: rounding of tables.
 const BEYOND: f64 = 1e-3;
 /// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
@@ -91,7 +96,7 @@ pub(crate) fn distance_bounds(
 ) -> Vec<PanelBound> {
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.panels.len()];
     let assessed = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
-        let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
+        let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas), NEAR * part.size());
         let all = stretches(part, leaf, &ribbon, atlas);
         let one = |(range, panel): (Range<usize>, usize)| {
             let going = if control.stopped() { Err(NotRefolded::Stopped) } else { Ok(()) };
@@ -127,21 +132,23 @@ fn joints(ribbon: &Ribbon, atlas: &Atlas) -> Vec<f64> {
         let knots = &s.panel.surface.knots_u;
         let ways = || s.panel.loops.iter().flatten().map(|p| p[1]);
         let middle = 0.5 * (ways().fold(f64::INFINITY, f64::min) + ways().fold(f64::NEG_INFINITY, f64::max));
-        let (first, last) = knots.domain();
-        let creases =
-            knots.distinct().into_iter().filter(|(t, m)| turns && *m >= knots.degree() && *t > first && *t < last);
-        places.extend(creases.map(|(t, _)| on([t, middle])));
+        places.extend(creases(knots).into_iter().filter(|_| turns).map(|(t, _)| on([t, middle])));
     }
     places.iter().filter_map(|on| ribbon.locate(&atlas.flat(on))).map(|spot| spot.t).collect()
 }
 
-/// The rulings laid closer, where the part is in space, and cut at given places.
-fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
+/// The rulings laid closer, where the part is in space, and cut at given places; `near` (mm) is what wide bends may leave.
+fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64], near: f64) -> Ribbon {
     let moved = |p: &Pose| Pose { axes: motion.linear * p.axes, at: motion.point(&p.at) };
     let mut spans = Vec::with_capacity(ribbon.spans.len());
     for (k, s) in ribbon.spans.iter().enumerate() {
         let turn = s.in_space.turn.hypot(s.in_space.spin);
-        let n = (turn / FINE).ceil().clamp(1.0, MOST) as usize;
+        // A second derivative is about the turn times the way across; twice an eighth of it counts.
+        let speed = |v: f64| (s.in_plane.across + v * s.in_plane.spin).abs();
+        let wide = speed(s.reach[0]).max(speed(s.reach[1]));
+        let least = (s.in_space.turn.abs() * wide / (4.0 * near)).sqrt();
+        let least = if least.is_finite() { least } else { 0.0 };
+        let n = (turn / FINE).max(least.min(FINER * turn / FINE)).ceil().clamp(1.0, MOST) as usize;
         let mut shares: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
         let inner = |c: &f64| shares.iter().all(|x| (x - c).abs() * n as f64 > APART);
         let more: Vec<f64> = cuts.iter().map(|t| t - k as f64).filter(|c| *c > 0.0 && *c < 1.0).filter(inner).collect();
@@ -150,20 +157,26 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
         // Corners of neighbours are one place.
         shares.dedup_by(|b, a| (*b - *a) * n as f64 <= APART);
         spans.extend(shares.windows(2).map(|w| {
-            let part = |r: &Rates| {
-                let x = w[1] - w[0];
-                Rates { turn: r.turn * x, spin: r.spin * x, along: r.along * x, across: r.across * x }
-            };
-            Span {
-                flat: s.flat.moved(&s.in_plane, w[0]),
-                space: moved(&s.space.moved(&s.in_space, w[0])),
-                in_plane: part(&s.in_plane),
-                in_space: part(&s.in_space),
-                reach: s.reach,
-            }
+            let part = part_of(s, [w[0], w[1]]);
+            Span { space: moved(&part.space), ..part }
         }));
     }
     Ribbon { spans }
+}
+
+/// A span from one share of it to another.
+fn part_of(s: &Span, [from, to]: [f64; 2]) -> Span {
+    let part = |r: &Rates| {
+        let x = to - from;
+        Rates { turn: r.turn * x, spin: r.spin * x, along: r.along * x, across: r.across * x }
+    };
+    Span {
+        flat: s.flat.moved(&s.in_plane, from),
+        space: s.space.moved(&s.in_space, from),
+        in_plane: part(&s.in_plane),
+        in_space: part(&s.in_space),
+        reach: s.reach,
+    }
 }
 
 /// Share of a part of a span within which places are one.
@@ -370,6 +383,35 @@ fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, panel): (
     cut(&leaf.loops, &chords).into_iter().filter(belongs).flat_map(|r| r.loops).collect()
 }
 
+/// Shares of a span that are one place.
+const SAME: f64 = 1e-9;
+
+/// The rulings no farther than the part reaches: its bend lines tell of rulings beyond, which are on no panel.
+fn ended(ribbon: Ribbon, lines: &mut [Vec<Piece>]) -> Ribbon {
+    let all = || lines.iter().flatten();
+    let Some((first, last)) = all().map(|p| p.span).min().zip(all().map(|p| p.span).max()) else { return ribbon };
+    let shares = |k: usize| all().filter(move |p| p.span == k).flat_map(|p| p.ends).map(|e| e[0]);
+    let (low, high) = (shares(first).fold(1.0, f64::min), shares(last).fold(0.0, f64::max));
+    let mut spans = ribbon.spans[first..=last].to_vec();
+    let ends = |k: usize| [if k == first { low } else { 0.0 }, if k == last { high } else { 1.0 }];
+    let cut = |k: usize, turn: f64| {
+        let [from, to] = ends(k);
+        let wide = to - from;
+        (turn != 0.0 && wide > SAME && wide < 1.0 - SAME).then_some([from, to])
+    };
+    let cuts: Vec<Option<[f64; 2]>> = (first..).zip(&spans).map(|(k, s)| cut(k, s.in_space.turn)).collect();
+    for (span, cut) in spans.iter_mut().zip(&cuts) {
+        *span = cut.map_or(*span, |cut| part_of(span, cut));
+    }
+    for p in lines.iter_mut().flatten() {
+        p.span -= first;
+        if let Some([from, to]) = cuts[p.span] {
+            p.ends = p.ends.map(|[s, v]| [((s - from) / (to - from)).clamp(0.0, 1.0), v]);
+        }
+    }
+    Ribbon { spans }
+}
+
 /// Judges the spans of one panel.
 fn assessed(
     part: &FlatPart,
@@ -381,7 +423,8 @@ fn assessed(
     let ribbon = Ribbon { spans: ribbon.spans[range].to_vec() };
     let tip = Tip::of(part.size(), &ribbon, atlas, panel);
     let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
-    let lines = lines.ok_or(NotRefolded::Beyond)?;
+    let mut lines = lines.ok_or(NotRefolded::Beyond)?;
+    let ribbon = ended(ribbon, &mut lines);
     let spans = &ribbon.spans[..];
     let places = places(spans, &lines, (atlas, panel), tip.as_ref());
     let panel = &atlas.panels[panel].panel;
@@ -504,6 +547,13 @@ fn nearest(polygon: &[Vec2], q: &Vec2) -> (f64, f64) {
     best
 }
 
+/// Inner parameters at which a patch is less than C¹, and how near to one is on it.
+fn creases(knots: &Knots) -> Vec<(f64, f64)> {
+    let (first, last) = knots.domain();
+    let inner = knots.distinct().into_iter().filter(|(t, m)| *m >= knots.degree() && *t > first && *t < last);
+    inner.map(|(t, _)| (t, SAME * (last - first))).collect()
+}
+
 /// No stretch of a ruling.
 const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
@@ -529,6 +579,7 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, panel): (&Atlas, usize),
     }
     let ways = || lines.iter().flatten().flat_map(|p| p.ends).map(|e| e[1]);
     let size = ways().fold(f64::NEG_INFINITY, f64::max) - ways().fold(f64::INFINITY, f64::min);
+    let creases = creases(&atlas.panels[panel].panel.surface.knots_u);
     let place = |k: usize| {
         let pose = if k < n { spans[k].flat } else { spans[n - 1].flat.moved(&spans[n - 1].in_plane, 1.0) };
         let [mut a, mut b] = reach[k];
@@ -543,7 +594,10 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, panel): (&Atlas, usize),
         }
         let [p, q] = [a, b].map(|v| atlas.on_panel(panel, &pose.point(v, 0.0).xy()));
         let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
-        Along { at: [0, 1].map(|d: usize| p[d] - slope[d] * a), slope }
+        let found = Along { at: [0, 1].map(|d: usize| p[d] - slope[d] * a), slope };
+        // What is on a crease but for rounding must not cross it.
+        let crease = creases.iter().find(|(t, hair)| (p[0] - t).abs() <= *hair && (q[0] - t).abs() <= *hair);
+        crease.map_or(found, |(t, _)| Along { at: [*t, found.at[1]], slope: [0.0, slope[1]] })
     };
     (0..=n).into_par_iter().map(place).collect()
 }

@@ -28,6 +28,23 @@ fn triangles(f: &mut File, kinds: [bool; 2]) -> (u64, Vec<u64>) {
     (surface, boundaries)
 }
 
+/// An indicator that is no normal may show to the wrong side; edges are on the right one.
+#[test]
+fn edges_tell_the_side_of_an_offset() {
+    for indicator in ["0.,0.,1.", "1.,0.,0.1", "1.,0.,-0.1"] {
+        let mut f = File::new();
+        let flat = f.rectangle(part(128), 4.0, 3.0);
+        let offset = f.add(part(140), &format!("{indicator},0.25,{flat}"));
+        let edges = f.polygon(&[[1., 1., 0.25], [3., 1., 0.25], [3., 2., 0.25]], PART);
+        let b = f.add(part(142), &format!("1,{offset},0,{edges},2"));
+        f.add(entry(144), &format!("{offset},1,0,{b}"));
+        let m = model(&f);
+        has_area(&m.faces[0], 1.0);
+        let bound = trim_proof(&m.faces[0], 1e-9).bound().value();
+        assert!(bound < 1e-6, "{indicator}: {bound}");
+    }
+}
+
 #[test]
 fn either_sort_of_curves_bounds_a_surface() {
     for kinds in [[true, true], [true, false], [false, true]] {

@@ -230,6 +230,39 @@ fn offsets_of_sweeps_that_are_cylinders() {
     assert!((area / (30.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{area}");
 }
 
+/// A dish that is turned, from its axis to an upright rim, and 2 mm outwards: the rim is a circle of the file.
+#[test]
+fn offsets_of_turned_splines_are_turned() {
+    let mut s = Step::new(Unit::Millimetre);
+    let control = [[0., 0., 0.], [20., 0., 0.], [30., 0., 5.], [30., 0., 20.]];
+    let p = control.map(|p| s.point(p));
+    let meridian = s.add(&format!(
+        "B_SPLINE_CURVE_WITH_KNOTS('',3,(#{},#{},#{},#{}),.UNSPECIFIED.,.F.,.F.,(4,4),(0.,1.),.UNSPECIFIED.)",
+        p[0], p[1], p[2], p[3]
+    ));
+    let axis = s.axis1([0., 0., 0.], [0., 0., 1.]);
+    let dish = s.add(&format!("SURFACE_OF_REVOLUTION('',#{meridian},#{axis})"));
+    let surface = s.add(&format!("OFFSET_SURFACE('',#{dish},2.,.F.)"));
+    let rim = s.circle_loop([0., 0., 20.], [0., 0., 1.], 32., false);
+    s.face("", surface, &[(rim, true)], true);
+    let m = model(&s);
+    let (area, bound) = measured(&m.faces[0]);
+    // Guldin's rule on a fine polygon of the offset curve.
+    let at = |t: f64| {
+        let b = [(1.0 - t).powi(3), 3.0 * t * (1.0 - t).powi(2), 3.0 * t * t * (1.0 - t), t.powi(3)];
+        let d = [-(1.0 - t).powi(2), (1.0 - t) * (1.0 - 3.0 * t), t * (2.0 - 3.0 * t), t * t];
+        let sum = |w: &[f64; 4], k: usize| (0..4).map(|i| w[i] * control[i][k]).sum::<f64>();
+        let (x, z, dx, dz) = (sum(&b, 0), sum(&b, 2), sum(&d, 0), sum(&d, 2));
+        let speed = dx.hypot(dz);
+        [x + 2.0 * dz / speed, z - 2.0 * dx / speed]
+    };
+    let line: Vec<[f64; 2]> = (0..=20_000).map(|k| at(f64::from(k) / 20_000.0)).collect();
+    let turned = |w: &[[f64; 2]]| (w[0][0] + w[1][0]) * (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]);
+    let exact = std::f64::consts::PI * line.windows(2).map(turned).sum::<f64>();
+    assert!((area / exact - 1.0).abs() < 1e-5, "{area} {exact}");
+    assert!(bound < 1e-2, "{bound}");
+}
+
 #[test]
 fn bounded_surfaces_are_named_or_read() {
     let mut s = Step::new(Unit::Millimetre);

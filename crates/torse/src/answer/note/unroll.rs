@@ -63,6 +63,11 @@ pub enum UnrollNote {
         /// Greatest distance (mm) of the lines drawn from the images, measured.
         deviation: f64,
     },
+    /// Curves and points that lie on the other side of the sheet than that from which parts are seen.
+    OtherSide {
+        /// What they are called.
+        curves: Vec<String>,
+    },
     /// Curves that run along outlines of parts, which are cut anyway.
     AlongEdges {
         /// What they are called.

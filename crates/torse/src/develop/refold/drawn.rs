@@ -59,9 +59,12 @@ pub struct FlatPart {
 }
 
 /// Chords of arcs keep so near to them (share of the size of the part): far below what drawings are drawn to.
-const CHORD: f64 = 1e-6;
-/// Least turn of an arc that one chord may stand for, rad, so that no arc needs more memory than a file that draws it.
+const CHORD: f64 = 2e-7;
+/// Least turn of an arc that one chord may stand for, rad, so that no arc needs more memory than a file that draws it: of arcs that
+/// turn by more than this in all, as the others are no longer than the part.
 const LEAST_TURN: f64 = 5e-3;
+/// See [`LEAST_TURN`].
+const LONG_TURN: f64 = 1.0;
 
 /// Share of the size within which both sides of a slit are one line: far above what files print, far below any cut.
 const SLIT: f64 = 1e-7;
@@ -73,7 +76,8 @@ fn chords((bulge, chord): (f64, f64), size: f64) -> Option<(f64, usize)> {
         return None;
     }
     let radius = chord / (2.0 * (0.5 * sweep).sin().abs());
-    let step = (8.0 * CHORD * size / radius.max(f64::MIN_POSITIVE)).sqrt().clamp(LEAST_TURN, 0.5);
+    let least = if sweep.abs() > LONG_TURN { LEAST_TURN } else { 0.0 };
+    let step = (8.0 * CHORD * size / radius.max(f64::MIN_POSITIVE)).sqrt().clamp(least, 0.5);
     Some((radius, (sweep.abs() / step).ceil().max(1.0) as usize))
 }
 

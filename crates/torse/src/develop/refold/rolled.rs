@@ -6,7 +6,7 @@
 //! its first line and behind its last one are known: what the family gives there is brought to these.
 
 use super::cut::{cut, Region};
-use super::drawn::{foot, inside, sides, FlatPart, SheetRow};
+use super::drawn::{distance, foot, inside, sides, FlatPart, SheetRow};
 use super::lines::whole_lines;
 use super::one_family::rulings;
 use super::skin::on_skin;
@@ -48,8 +48,10 @@ pub(super) fn rolled(part: &FlatPart, row: &SheetRow) -> Result<Option<Rolled>, 
     let holds = |r: &Region| inner.iter().all(|q| inside(&r.loops, q));
     let region =
         cut(&part.loops, &ends).into_iter().find(holds).ok_or(RefoldError::Ends { line: row.lines.start + 1 })?;
-    // Lines of other faces in the region: what lies between is not drawn.
-    let strange = |k: &usize| !row.lines.contains(k) && inside(&region.loops, &middle(&part.lines[*k].ends));
+    // Lines of other faces in the region: what lies between is not drawn. A sharp bend may be on its edge.
+    let near = ON_ONE_LINE * part.size();
+    let within = |q: &Vec2| inside(&region.loops, q) && distance(&region.loops, q) > near;
+    let strange = |k: &usize| !row.lines.contains(k) && within(&middle(&part.lines[*k].ends));
     if (0..part.lines.len()).any(|k| strange(&k)) {
         return Err(RefoldError::Ends { line: row.lines.start + 1 });
     }

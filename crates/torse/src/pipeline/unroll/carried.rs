@@ -3,7 +3,7 @@
 use crate::answer::note::{OffFaces, UnrollNote};
 use crate::brep::face::Face;
 use crate::brep::free_curve::{FreeCurve, FreeShape};
-use crate::develop::carried::{Carried, CarryOptions, Path, Target};
+use crate::develop::carried::{Carried, CarryOptions, Path, Skin, Target};
 use crate::develop::joints::panel_map;
 use crate::develop::refold::atlas::{Atlas, PanelPatch};
 use crate::develop::unfold::part::FlatPart;
@@ -22,10 +22,13 @@ const LOOKS: usize = 64;
 /// Points on every span of a panel's border.
 const BORDER_POINTS: usize = 16;
 
+/// What stands behind the label of a curve on the other skin of the sheet.
+const OTHER_SIDE: &str = "(other side)";
+
 /// What is known of a curve after it was carried over.
 #[derive(Default)]
 struct Found {
-    lines: Vec<(usize, Vec<Vec2>)>,
+    lines: Vec<(usize, Skin, Vec<Vec2>)>,
     along_edge: bool,
     distance: f64,
     deviation: f64,
@@ -45,17 +48,21 @@ pub(super) fn carry(
     let targets: Vec<Option<Target>> = parts.par_iter().zip(laid).map(|(p, l)| target(p, l.as_ref(), faces)).collect();
     let found: Vec<Found> = curves.par_iter().map(|c| one(c, &targets, tolerance)).collect();
     let several = curves.iter().any(|c| c.layer != curves[0].layer);
-    let mut layers: HashSet<(usize, &str)> = HashSet::new();
+    let mut layers: HashSet<(usize, Skin, &str)> = HashSet::new();
     let mut drawn: Vec<Vec<MarkLine>> = parts.iter().map(|_| Vec::new()).collect();
     for (curve, found) in curves.iter().zip(&found) {
-        let mut labelled: HashSet<usize> = HashSet::new();
-        for (part, points) in &found.lines {
-            let first = labelled.insert(*part);
+        let mut labelled: HashSet<(usize, Skin)> = HashSet::new();
+        for (part, skin, points) in &found.lines {
+            let first = labelled.insert((*part, *skin));
             // Curves without names have that of their layer, once on every part, where it tells something.
             let label = match curve.name.as_str() {
-                "" if first && several && layers.insert((*part, &curve.layer)) => curve.layer.clone(),
+                "" if first && several && layers.insert((*part, *skin, &curve.layer)) => curve.layer.clone(),
                 name if first => name.to_owned(),
                 _ => String::new(),
+            };
+            let label = match (first, skin) {
+                (true, Skin::Other) => format!("{label} {OTHER_SIDE}").trim_start().to_owned(),
+                _ => label,
             };
             drawn[*part].push(MarkLine { label, points: points.clone() });
         }
@@ -84,6 +91,11 @@ fn notes(curves: &[FreeCurve], found: &[Found]) -> Vec<UnrollNote> {
         let (distance, deviation) = (worst(|f| f.distance), worst(|f| f.deviation));
         out.push(UnrollNote::Carried { curves: whole - points, points, distance, deviation });
     }
+    let other = |f: &Found| f.lines.iter().any(|l| l.1 == Skin::Other);
+    let behind: Vec<String> = curves.iter().zip(found).filter(|(_, f)| other(f)).map(|(c, _)| c.called()).collect();
+    if !behind.is_empty() {
+        out.push(UnrollNote::OtherSide { curves: behind });
+    }
     let along: Vec<String> = curves.iter().zip(found).filter(|(_, f)| f.along_edge).map(|(c, _)| c.called()).collect();
     if !along.is_empty() {
         out.push(UnrollNote::AlongEdges { curves: along });
@@ -98,12 +110,18 @@ fn notes(curves: &[FreeCurve], found: &[Found]) -> Vec<UnrollNote> {
 /// A curve on all parts.
 fn one(curve: &FreeCurve, targets: &[Option<Target>], tolerance: f64) -> Found {
     let mut out = Found::default();
+    // Of every part the skin that is laid flat, of sheet the other one too.
+    let skins = |target: &Target| match target.is_sheet() {
+        true => &[Skin::Laid, Skin::Other][..],
+        false => &[Skin::Laid],
+    };
+    let all = targets.iter().enumerate().filter_map(|(k, t)| t.as_ref().map(|t| (k, t)));
+    let all = all.flat_map(|(k, t)| skins(t).iter().map(move |skin| (k, t, *skin)));
     match &curve.shape {
         FreeShape::Point(x) => {
-            for (k, target) in targets.iter().enumerate() {
-                let cross = target.as_ref().and_then(|t| t.cross(x, tolerance));
-                let Some((lines, off)) = cross else { continue };
-                out.lines.extend(lines.into_iter().map(|l| (k, l)));
+            for (k, target, skin) in all {
+                let Some((lines, off)) = target.cross(x, tolerance, skin) else { continue };
+                out.lines.extend(lines.into_iter().map(|l| (k, skin, l)));
                 out.distance = out.distance.max(off);
             }
             if out.lines.is_empty() {
@@ -115,11 +133,10 @@ fn one(curve: &FreeCurve, targets: &[Option<Target>], tolerance: f64) -> Found {
             let path = Path::new(pieces);
             let points = path.points();
             let mut on = vec![false; points.len()];
-            let options = CarryOptions { within: tolerance, chord: DRAWN * tolerance };
-            for (k, target) in targets.iter().enumerate() {
-                let Some(target) = target else { continue };
+            for (k, target, skin) in all {
+                let options = CarryOptions { within: tolerance, chord: DRAWN * tolerance, skin };
                 let Carried { lines, along_edge, distance, deviation, on: own } = target.carried(&path, &options);
-                out.lines.extend(lines.into_iter().map(|l| (k, l)));
+                out.lines.extend(lines.into_iter().map(|l| (k, skin, l)));
                 out.along_edge |= along_edge;
                 out.distance = out.distance.max(distance);
                 out.deviation = out.deviation.max(deviation);
@@ -162,7 +179,11 @@ fn target(part: &FlatPart, laid: Option<&LaidFace>, faces: &[Face]) -> Option<Ta
     let leap = part.allowances.iter().map(|a| a.abs()).fold(0.0, f64::max);
     let Some(laid) = laid else {
         let atlas = Atlas::placed(part.faces.iter().map(|f| &faces[*f]).zip(&part.places)).ok()?;
-        return Some(Target::new(atlas, &part.pattern, leap));
+        let target = Target::new(atlas, &part.pattern, leap);
+        return Some(match part.sheet.thickness > 0.0 {
+            true => target.of_sheet(other_skin(part, faces)),
+            false => target,
+        });
     };
     let panel = laid.patchwork.panels.get(laid.pattern.panel)?;
     let border = |l: &Vec<crate::patchwork::panel::Coedge>| {
@@ -183,6 +204,21 @@ fn target(part: &FlatPart, laid: Option<&LaidFace>, faces: &[Face]) -> Option<Ta
     };
     let map = panel_map(&laid.patchwork, laid.pattern.panel)?;
     Some(Target::new(Atlas::mapped(patch, map), &laid.pattern, leap))
+}
+
+/// How far (mm) the other skin of a sheet is along the normals of the faces of a part, as these are in the file.
+fn other_skin(part: &FlatPart, faces: &[Face]) -> Vec<f64> {
+    let of = |(k, face): (usize, &usize)| {
+        let thickness = part.sheet.local.get(k).copied().unwrap_or(part.sheet.thickness);
+        // Sheet is behind the outside.
+        let inwards = faces[*face].reversed != part.sheet.turned.get(k).copied().unwrap_or(false);
+        if inwards {
+            thickness
+        } else {
+            -thickness
+        }
+    };
+    part.faces.iter().enumerate().map(of).collect()
 }
 
 /// The curves of a model for every group of its faces: each with the groups whose faces are nearest by their boxes.

@@ -1,9 +1,10 @@
 //! Faces that are not developable, covered by panels that are, within a tolerance of their own.
 
-use super::options::UnrollError;
+use super::options::{TooRound, UnrollError};
 use crate::answer::marks::Marks;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;
+use crate::brep::area::total_curvature_estimate;
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::control::Control;
@@ -12,23 +13,36 @@ use crate::patchwork::part::Part;
 use crate::patchwork::pattern::{Mark, Pattern};
 use crate::pipeline::approximate::{of_faces, Options};
 use crate::reason::{FaceReason, Reason};
+use std::f64::consts::TAU;
+
+/// What the absolute curvature of a face adds up to, in 2π, above which it is not covered beside what is laid flat: a hemisphere has
+/// 1, a whole sphere 2 and a torus 4, and these take minutes.
+const MOST_TURNS: f64 = 1.5;
 
 /// Adds panels for `faces`, each a part of its own, with what is proven of them. Names follow those of `torse approximate`.
-/// Where that job fails, the faces are left out by name, if there are other parts.
+/// Where that job fails, and where they are curved all around, the faces are left out by name, if there are other parts.
 ///
 /// # Errors
-/// As of that job, where there is nothing else.
+/// As of that job, where there is nothing else; [`TooRound`].
 pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control: &Control) -> Result<(), UnrollError> {
+    let turns = |f: &Face| total_curvature_estimate(f) / TAU;
+    let (round, faces): (Vec<_>, Vec<_>) = faces.into_iter().map(|f| (turns(&f), f)).partition(|f| f.0 > MOST_TURNS);
+    let faces: Vec<Face> = faces.into_iter().map(|f| f.1).collect();
+    let why = |(turns, face): &(f64, Face)| TooRound { entity: face.entity, turns: *turns };
+    let refused: Vec<Skipped> = round.iter().map(|f| Skipped::of_face(&f.1, Reason::error(&why(f)))).collect();
     if faces.is_empty() {
+        match round.first() {
+            Some(first) if answer.parts.is_empty() => return Err(why(first).into()),
+            _ => leave(answer, refused),
+        }
         return Ok(());
     }
+    leave(answer, refused);
     let made = match of_faces(faces.clone(), Vec::new(), &Options::new(tolerance), control) {
         Ok(made) => made,
         Err(e) if answer.parts.is_empty() => return Err(e.into()),
         Err(e) => {
-            let skipped: Vec<Skipped> = faces.iter().map(|f| Skipped::of_face(f, Reason::error(&e))).collect();
-            answer.claims.extend(left_out(&skipped));
-            answer.skipped.extend(skipped);
+            leave(answer, faces.iter().map(|f| Skipped::of_face(f, Reason::error(&e))).collect());
             return Ok(());
         }
     };
@@ -62,6 +76,12 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
     answer.notes.extend(made.notes);
     answer.patchwork.append(made.patchwork);
     Ok(())
+}
+
+/// Names what is left out.
+fn leave(answer: &mut Answer, skipped: Vec<Skipped>) {
+    answer.claims.extend(left_out(&skipped));
+    answer.skipped.extend(skipped);
 }
 
 /// The label of a mark on a joint whose number goes on after so many others; seams have numbers of their own.

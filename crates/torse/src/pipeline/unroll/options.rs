@@ -87,6 +87,9 @@ pub enum UnrollError {
     /// Faces that are not developable cannot be covered.
     #[error("faces that are not developable cannot be covered: {0}")]
     Approximate(#[from] ApproximateError),
+    /// Nothing but faces that are curved all around.
+    #[error("faces that are not developable cannot be covered: {0}")]
+    Round(#[from] TooRound),
     /// Nothing can be laid flat.
     #[error("none of the {bodies} bodies can be unrolled; the first: {reason}")]
     Nothing {
@@ -95,4 +98,17 @@ pub enum UnrollError {
         /// Why the first cannot.
         reason: String,
     },
+}
+
+/// A face that is curved both ways all around, as a whole sphere or torus is.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "face #{entity} is curved both ways all around: its curvature adds up to {turns:.1} times that of a hemisphere; \
+     'torse approximate' covers such faces, which takes minutes"
+)]
+pub struct TooRound {
+    /// Entity number of the face.
+    pub entity: u64,
+    /// What its absolute Gaussian curvature adds up to, in 2π, measured.
+    pub turns: f64,
 }

@@ -160,7 +160,7 @@ impl Geometry<'_> {
     pub fn trimmed(&self, e: &Entry, patch: Patch, loops: Vec<RawLoop>, asked: Asked) -> Result<Vec<Face>, Lost> {
         let area = spanned_area_estimate(&loops);
         let count = loops.len();
-        let raw = self.raw(e, patch, Region::Loops(loops), asked);
+        let raw = self.raw(e, patch.beside(&loops), Region::Loops(loops), asked);
         let first = match trim::faces(&raw, asked.chords) {
             Ok(faces) => return Ok(faces),
             Err(why) => why,

@@ -1,6 +1,6 @@
 //! Surfaces with what their entities say of them.
 
-use crate::brep::raw::{SurfaceDeviation, SurfaceKind};
+use crate::brep::raw::{RawLoop, SurfaceDeviation, SurfaceKind};
 use crate::brep::recast;
 use crate::brep::space_curve::SpaceCurve;
 use crate::brep::support_surface::SupportSurface;
@@ -23,6 +23,8 @@ pub(super) struct Patch {
     pub chart: Option<Chart>,
     /// The elementary surface that it is too, with other parameters.
     pub round: Option<(SupportSurface, SurfaceKind)>,
+    /// The surface that it is where its entity does not tell of an offset on which side it lies, and its edges lie there.
+    pub other: Option<(SupportSurface, SurfaceDeviation)>,
 }
 
 /// The map `natural[k] = scale[k] · stated + shift[k]`, of the other stated parameter if they are exchanged.
@@ -72,6 +74,19 @@ impl Patch {
             deviation: SurfaceDeviation::NONE,
             chart: Some(Chart::SAME),
             round: None,
+            other: None,
+        }
+    }
+
+    /// The patch on the side on which its edges begin and end.
+    pub fn beside(self, loops: &[RawLoop]) -> Self {
+        let Some((support, deviation)) = self.other.clone() else { return self };
+        let ends = || loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.path).map(|arc| arc.ends().0);
+        let off = |s: &SupportSurface| ends().map(|x| (s.jet(s.foot(&x, None)).p - x).norm()).sum::<f64>();
+        if off(&support) < off(&self.support) {
+            Self { support, deviation, other: None, ..self }
+        } else {
+            self
         }
     }
 }

@@ -24,6 +24,8 @@ pub(super) fn is_surface(kind: u32) -> bool {
 
 /// Directions whose part square to an axis is below this share are along it.
 const ALONG: f64 = 1e-9;
+/// Cosine of the angle to the normal up to which the indicator of an offset is not one: rounding of files leaves far more.
+const NORMAL: f64 = 0.999;
 
 impl Geometry<'_> {
     /// The surface of an entity, without the transformation of its own.
@@ -125,14 +127,23 @@ impl Geometry<'_> {
             let same_sense = base.same_sense == same;
             base = Patch { support, same_sense, rectangle: None, chart: None, ..base };
         }
+        if !offset::keeps_parameters(&base.support) {
+            let rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r));
+            base = Patch { rectangle, chart: None, ..base };
+        }
         let jet = base.support.jet(base.support.foot(&middle, None));
-        let side = jet.du.cross(&jet.dv).dot(&indicator);
+        let normal = jet.du.cross(&jet.dv);
+        let side = normal.dot(&indicator);
+        let is_normal = side.abs() >= NORMAL * normal.norm() * indicator.norm();
         let side = if side == 0.0 && base.same_sense { 1.0 } else { side };
         let distance = e.number(4)? * if side < 0.0 { -1.0 } else { 1.0 };
         let (support, deviation) = offset::of_support(&base.support, distance)
             .map_err(|why| Fault::new(e.number, format!("offset surface D{}: {why}", e.number)))?;
+        // Some writers take the normal at another place than the middle of the base: edges tell then.
+        let other = if is_normal { None } else { offset::of_support(&base.support, -distance).ok() };
+        let other = other.map(|(support, off)| (support, off.over(base.deviation)));
         let deviation = deviation.over(base.deviation);
-        Ok(Patch { support, kind: SurfaceKind::Offset, deviation, round: None, ..base })
+        Ok(Patch { support, kind: SurfaceKind::Offset, deviation, round: None, other, ..base })
     }
 
     /// Planes, cylinders, cones, spheres and tori by centre, axis and sizes.

@@ -368,6 +368,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
     fn traced(&self, id: u64, depth: u32) -> Result<ResolvedCurve, Fault> {
         let a = self.records.simple(id)?;
         let support = self.surface(a.reference(1)?, depth + 1)?;
+        if support.recast {
+            let what = format!("the parameter curve #{id} on an offset of a swept surface is not read");
+            return Err(Fault::new(id, what));
+        }
         let definition = self.records.simple(a.reference(2)?)?;
         let item = definition.references(1)?.first().copied();
         let item = item.ok_or_else(|| Fault::new(id, format!("#{id} has no curve")))?;

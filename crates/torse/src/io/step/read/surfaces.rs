@@ -106,6 +106,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
                     base = Patch { support, same_sense: base.same_sense == same, recast: true, ..base };
                 }
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
+                if !offset::keeps_parameters(&base.support) {
+                    base.rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r));
+                    base.recast = true;
+                }
                 let (support, deviation) = offset::of_support(&base.support, distance)
                     .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
                 Ok(Patch { support, kind: SurfaceKind::Offset, deviation: deviation.over(base.deviation), ..base })

@@ -61,6 +61,10 @@ pub(super) fn words(note: &UnrollNote) -> String {
                 length(*deviation)
             )
         }
+        UnrollNote::OtherSide { curves } => format!(
+            "On the other side of the sheet than that from which its part is seen, and labelled so: {}.",
+            listed(curves.iter().cloned())
+        ),
         UnrollNote::AlongEdges { curves } => {
             format!("Not marked, as they run along outlines, which are cut: {}.", listed(curves.iter().cloned()))
         }

@@ -8,6 +8,7 @@ use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::{flat_parts, PartOptions};
+use crate::develop::unfold::specimens::rectangle;
 use crate::geom::{Frame, Vec3};
 use crate::io::step::write::{self as step, sewn, Header};
 use crate::io::words::why;
@@ -207,4 +208,30 @@ fn covers_are_written_to_their_own_tolerance_beside_a_finer_one() {
     crate::pipeline::deliver::files(&mut answer, "2026-01-01T00:00:00").expect("files");
     let told: Vec<String> = answer.claims.iter().filter_map(|c| c.reason()).map(why).collect();
     assert_eq!(answer.status(), Status::Certified, "{told:?}");
+}
+
+/// All of a torus but a narrow gap is not covered beside flat parts: that would take minutes.
+#[test]
+fn faces_that_are_curved_all_around_are_left_to_the_other_job() {
+    use crate::brep::support_surface::SupportSurface;
+    use crate::pipeline::unroll::UnrollError;
+    use std::f64::consts::TAU;
+    const GAP: f64 = 0.1;
+    let torus = SupportSurface::Torus { frame: Frame::world(), major: 500.0, minor: 150.0 };
+    let (surface, _) = torus.to_spline((GAP, TAU - GAP), (GAP, TAU - GAP)).expect("a surface");
+    let header = Header { name: "ring".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
+    let mut bytes = Vec::new();
+    step::shells(&mut bytes, &header, &[step::Shell::untrimmed("ring", &surface)]).expect("a file");
+    let ring = crate::read(&bytes).expect("a model");
+    let options = UnrollOptions { surfaces: true, approximate: Some(1.0), ..UnrollOptions::new(0.1) };
+    let Err(UnrollError::Round(why)) = unroll(&ring, &options, &Control::default()) else { panic!("not refused") };
+    // The integral of |cos v| over both ranges.
+    let exact = (4.0 - 2.0 * GAP.sin()) * (TAU - 2.0 * GAP) / TAU;
+    assert!((why.turns - exact).abs() < 1e-2, "{} {exact}", why.turns);
+    // Beside a plate it is named.
+    let mut model = ring;
+    model.faces.push(rectangle(Vec3::zeros(), 40.0 * Vec3::x(), 30.0 * Vec3::y()));
+    let answer = unroll(&model, &options, &Control::default()).expect("an answer");
+    assert_eq!((answer.patterns.len(), answer.skipped.len()), (1, 1));
+    assert_ne!(answer.status(), Status::Certified);
 }

@@ -12,6 +12,7 @@ use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentS
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::io::model::Model;
 use crate::io::{drawings, dxf, words};
+use crate::patchwork::pattern::MarkLine;
 use crate::pipeline::unroll::{groups, unroll, UnrollOptions};
 use crate::spline::curve::Curve;
 use crate::torse::rail::Rail;
@@ -110,7 +111,7 @@ fn a_circle_around_a_cone_becomes_an_arc_about_its_apex() {
     assert!(points.iter().all(|x| ((x - centre).norm() - slant).abs() < TOLERANCE), "{slant}");
 }
 
-/// On either skin of a bent sheet: that which is laid flat has the curve as long as the neutral fibre, the other one is named.
+/// On either skin of a bent sheet a curve is as long as the neutral fibre, and at the same place; the other side is named.
 #[test]
 fn a_curve_over_a_bend_is_as_long_as_the_neutral_fibre() {
     let sheet =
@@ -126,11 +127,21 @@ fn a_curve_over_a_bend_is_as_long_as_the_neutral_fibre() {
     };
     let answer = unrolled(sheet.faces(), vec![skin(0.0, 5.0), skin(2.0, 3.0)], false);
     assert_eq!(answer.status(), Status::Certified);
-    let [line] = answer.patterns[0].curves.as_slice() else { panic!("{:?}", answer.patterns[0].curves) };
+    let [line, other] = answer.patterns[0].curves.as_slice() else { panic!("{:?}", answer.patterns[0].curves) };
     let neutral = 30.0 + (3.0 + 0.44 * 2.0) + 10.0;
-    assert!((length(&line.points) - neutral).abs() < TOLERANCE, "{}", length(&line.points));
-    let [other] = off(&answer).try_into().expect("the other one");
-    assert!((other.farthest - 2.0).abs() < TOLERANCE && other.off == other.length, "{other:?}");
+    for line in [line, other] {
+        assert!((length(&line.points) - neutral).abs() < TOLERANCE, "{}", length(&line.points));
+    }
+    assert_eq!([line.label.as_str(), other.label.as_str()], ["at 0", "at 2 (other side)"]);
+    let ends = |l: &MarkLine| [l.points[0], l.points[l.points.len() - 1]];
+    assert!(ends(line).iter().zip(ends(other)).all(|(p, q)| (p - q).norm() < TOLERANCE), "{line:?} {other:?}");
+    assert!(off(&answer).is_empty());
+    let sentences: Vec<String> = answer.notes.iter().map(words::note).collect();
+    assert!(sentences.iter().any(|s| s.contains("other side") && s.contains("'at 2'")), "{sentences:?}");
+    // As far before the sheet as the other skin is behind it, and half way between both, is on neither.
+    let answer = unrolled(sheet.faces(), vec![skin(-2.0, 7.0), skin(1.0, 4.0)], false);
+    assert!(answer.patterns[0].curves.is_empty());
+    assert_eq!(off(&answer).len(), 2);
 }
 
 /// Curves that lie on faces in part, beside them or along their edges, and points.
