@@ -8,6 +8,8 @@ use super::space_curve::{SpaceCurve, COINCIDENT};
 use super::support_surface::{SplineSupport, SupportSurface};
 use super::swept;
 use crate::geom::{BBox, Frame, Vec3};
+use crate::spline::bezier::Bezier;
+use crate::spline::curve::bezier_pieces;
 use crate::spline::knots::Knots;
 use crate::spline::surface::{Surface, NO_NORMAL};
 use crate::spline::SplineError;
@@ -142,8 +144,8 @@ fn whole(directrix: &SpaceCurve) -> Result<(f64, f64), OffsetError> {
 const IN_PLANE: f64 = 1e-12;
 /// Against what a curve is off that plane, by how much more its offset may be off: normals lean by more than points move.
 const LEAN: f64 = 1e3;
-/// Places on every span of a curve at which it must be on its side of the axis.
-const PLACES: usize = 16;
+/// Halvings of a piece of a curve that is to be on one side of the axis, at most.
+const HALVINGS: usize = 8;
 
 /// The offset of a surface of revolution: that of its curve in the plane of the axis, turned.
 fn turned(
@@ -174,24 +176,40 @@ fn turned(
     if !is_flat {
         return Err(OffsetError::Endless);
     }
-    let radius = |curve: &SpaceCurve, t: f64| frame.to_local(&curve.point(t)).dot(&out);
-    let is_beside = |curve: &SpaceCurve, (from, to): (f64, f64)| {
-        let stations = curve.stations(from, to);
-        stations.windows(2).all(|w| {
-            (0..=PLACES).all(|k| radius(curve, w[0] + (w[1] - w[0]) * k as f64 / PLACES as f64) >= -COINCIDENT * size)
-        })
-    };
-    if !is_beside(directrix, range) {
+    let outward = frame.vector_to_world(&out);
+    let is_beside = |curve: &SpaceCurve| is_on_side(curve, &frame.origin, &outward, COINCIDENT * size);
+    if !is_beside(directrix) {
         return Err(OffsetError::Endless);
     }
     // Turned, the curve moves along z × out first, and the normal is that of the surface moved against it.
     let across = frame.vector_to_world(&Vec3::new(out.y, -out.x, 0.0));
     let (line, deviation) = beside(directrix, &across, distance)?;
-    if !is_beside(&line, whole(&line)?) {
+    if !is_beside(&line) {
         return Err(OffsetError::Vanishes(distance));
     }
     let bound = (deviation.bound + LEAN * off).next_up();
     Ok((SupportSurface::Revolution { directrix: line, frame: *frame }, SurfaceDeviation { bound, ..deviation }))
+}
+
+/// Whether a curve is nowhere farther than `least` (mm) behind a plane, by the coefficients of its pieces.
+fn is_on_side(curve: &SpaceCurve, origin: &Vec3, normal: &Vec3, least: f64) -> bool {
+    let curve = match curve {
+        SpaceCurve::Spline(c) => Ok(c.clone()),
+        other => other.to_spline(0.0, TAU).map(|(c, _)| c),
+    };
+    fn is_positive(height: &Bezier<1>, halvings: usize) -> bool {
+        height.hull()[0].0 >= 0.0
+            || halvings > 0 && {
+                let (a, b) = height.split(0.5);
+                is_positive(&a, halvings - 1) && is_positive(&b, halvings - 1)
+            }
+    }
+    curve.is_ok_and(|c| {
+        bezier_pieces(&c).into_iter().all(|(_, _, control)| {
+            let height = |h: [f64; 4]| [normal.dot(&(Vec3::new(h[0], h[1], h[2]) - origin * h[3])) + least * h[3]];
+            is_positive(&Bezier::new(control.into_iter().map(height).collect()), HALVINGS)
+        })
+    })
 }
 
 /// Interpolates the offset at Greville points over ever finer knots. What it is off is proven, not sampled.
@@ -401,12 +419,16 @@ mod tests {
                 are_beside(&base, (&o, deviation), distance, &places);
             }
         }
-        // A tube thinner than its ring goes through the axis when it is made thick; a curve that leaves its plane is no meridian.
+        // A tube thinner than its ring goes through the axis when it is made thick; curves through the axis, and those that leave their
+        // plane, are no meridians.
         let thick = SupportSurface::Revolution {
             directrix: SpaceCurve::Ellipse { frame: upright, a: 40.0, b: 25.0 },
             frame: f,
         };
         assert!(matches!(of_support(&thick, 70.0), Err(OffsetError::Vanishes(_))));
+        let through = [[30.0, 0.0], [10.0, 5.0], [-40.0, 10.0], [30.0, 20.0]].map(|[x, z]| [x, 0.0, z, 1.0]);
+        let directrix = SpaceCurve::Spline(Curve { knots, control: through.to_vec() });
+        assert_eq!(of_support(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
         let leaning = Frame { x: Vec3::new(0.8, 0.6, 0.0), z: Vec3::new(0.6, -0.8, 0.0), ..upright };
         let directrix = SpaceCurve::Ellipse { frame: leaning, a: 40.0, b: 25.0 };
         assert_eq!(of_support(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
