@@ -139,30 +139,32 @@ fn fans_between_planes_are_proven() {
 }
 
 /// A quarter of a cone and a plane that meets it in a sharp bend along its first ruling: the bend lies on the edge of what is
-/// rolled, and is no line of it.
+/// rolled, and is no line of it. Normals of both may look to one side of the sheet or not.
 #[test]
 fn a_sharp_bend_beside_a_rolled_face_is_proven() {
     let cone = SupportSurface::Cone { frame: Frame::world(), radius: 300.0, slope: -0.6 };
     let fan = cone.to_spline((0.0, TAU / 4.0), (0.0, 450.0)).expect("a surface").0;
     let (rim, end, way) = (Vec3::new(300.0, 0.0, 0.0), Vec3::new(30.0, 0.0, 450.0), Vec3::new(0.0, -200.0, 60.0));
-    let knots = || Knots::clamped(1, &[0.0, 1.0]).expect("knots");
-    let plane = Surface::new(knots(), knots(), &[rim + way, end + way, rim, end], None).expect("a surface");
-    let model = torse::Model {
-        faces: [fan, plane].map(Face::untrimmed).to_vec(),
-        skipped: Vec::new(),
-        notes: Vec::new(),
-        unit: String::new(),
-        products: Vec::new(),
-        curves: Vec::new(),
-    };
-    let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01) };
-    let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a flat part");
-    let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
-    assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
-    let panels = &report.parts[0].panels;
-    assert_eq!(panels.len(), 2, "{report:?}");
-    assert!(panels.iter().all(|p| p.distance_bound.is_some_and(|b| b < 0.01)), "{panels:?}");
+    for corners in [[rim + way, end + way, rim, end], [rim, end, rim + way, end + way]] {
+        let knots = || Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let plane = Surface::new(knots(), knots(), &corners, None).expect("a surface");
+        let model = torse::Model {
+            faces: [fan.clone(), plane].map(Face::untrimmed).to_vec(),
+            skipped: Vec::new(),
+            notes: Vec::new(),
+            unit: String::new(),
+            products: Vec::new(),
+            curves: Vec::new(),
+        };
+        let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01) };
+        let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a flat part");
+        let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+        let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
+        assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
+        let panels = &report.parts[0].panels;
+        assert_eq!(panels.len(), 2, "{report:?}");
+        assert!(panels.iter().all(|p| p.distance_bound.is_some_and(|b| b < 0.01)), "{panels:?}");
+    }
 }
 
 /// Results of cones have their panels in a file of their own, named by their kinds.

@@ -7,7 +7,7 @@
 
 use super::align::{fitted, settled, Moments};
 use super::drawn::{area, bounds, distance, inside, FlatPart};
-use crate::brep::body::Body;
+use crate::brep::body::{oriented, Body};
 use crate::brep::face::Face;
 use crate::brep::project::refine;
 use crate::develop::map::Development;
@@ -425,7 +425,10 @@ impl Atlas {
         (thickness, side): (Vec<f64>, Option<SheetSide>),
         tolerance: f64,
     ) -> Result<Self, AtlasError> {
-        let body = Body::joined(faces.iter().collect(), BESIDE);
+        // Files may turn some faces of a sheet round, as those that it was made of were.
+        let given = Body::joined(faces.iter().collect(), BESIDE);
+        let turned = oriented(&given);
+        let body = turned.as_ref().map_or(given, |all| Body::joined(all.iter().collect(), BESIDE));
         let skin: Vec<usize> = (0..faces.len()).collect();
         let asked = UnfoldOptions { k: k.clone(), tolerance, thickness, side, joins: Joins::All };
         let (pieces, left) = unfold(&body, &skin, &asked);
