@@ -142,7 +142,8 @@ fn whole(directrix: &SpaceCurve) -> Result<(f64, f64), OffsetError> {
 
 /// Share of the size within which a curve lies in the plane of its axis: rounding of coordinates.
 const IN_PLANE: f64 = 1e-12;
-/// Against what a curve is off that plane, by how much more its offset may be off: normals lean by more than points move.
+/// Against what a curve is off that plane, by how much more its offset may be off: normals lean by more than points move. An
+/// allowance for rounding, not enclosed.
 const LEAN: f64 = 1e3;
 /// Halvings of a piece of a curve that is to be on one side of the axis, at most.
 const HALVINGS: usize = 8;

@@ -8,8 +8,9 @@
 //! and its Jacobian has one sign at the corners of all cells and therefore everywhere: it does not fold. 1. `|X − S∘Φ| ≤ δ`: on
 //! a cell the difference is within `(|D_ss| + |D_vv|)/8` of the bilinear function through its corners, whose norm is
 //! greatest in a corner; where a knot line of S is less than C¹, along the span within a quarter of what its first derivatives range
-//! over, or, if only a share of the cell is beyond it, within that share of the range, twice, and the eighth. `X` moves evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most
-//! \[DC76\]; derivatives of S are enclosed over boxes \[MKC09\]. 2. The lines Φ∘γ and the panel's border are joined by
+//! over, or, if only a share of the cell is beyond it, within that share of the range, twice, and the eighth. `X` moves
+//! evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most \[DC76\];
+//! derivatives of S are enclosed over boxes \[MKC09\]. 2. The lines Φ∘γ and the panel's border are joined by
 //! segments of the parameter plane, whose images are no longer than β. A place of the panel off these segments is enclosed by
 //! Φ∘γ as often as by the border: it is Φ of a place of T. A place `y` of T whose Φ(y) is off them is, because Φ does not
 //! fold, enclosed by the border too. Everything on the segments is within β of both edges. 3. In the plane the same is asked of
