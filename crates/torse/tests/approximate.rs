@@ -612,7 +612,7 @@ fn a_cone_with_holes_is_one_panel() {
 #[test]
 fn bands_run_over_waves_as_far_as_the_face_goes() {
     let knots = |spans: usize, half: f64| Knots::uniform(3, spans, -half, half).expect("knots");
-    let (ku, kv) = (knots(2, 150.0), knots(60, 1000.0));
+    let (ku, kv) = (knots(2, 150.0), knots(30, 500.0));
     let greville = |k: &Knots| -> Vec<f64> {
         (0..k.control_count()).map(|i| k.values()[i + 1..i + 4].iter().sum::<f64>() / 3.0).collect()
     };
