@@ -60,7 +60,8 @@ struct Reference {
 pub(super) struct Edge {
     /// Over the line and a little beyond.
     pub curve: Curve<3>,
-    /// Largest distance of its places from both strips, mm. Sampled.
+    /// Largest distance of its places from both strips, as a share of its line's length or of the mean of all lines where that is
+    /// more. Sampled.
     missed: f64,
 }
 
@@ -136,11 +137,26 @@ fn turned_to(places: &mut [Place], last: bool, point: &Vec3) {
     let off = point - places[k].x;
     let aside = off - along * (off.dot(&along) / along.norm_squared());
     if aside.iter().all(|x| x.is_finite()) {
+        let there = way(&places[k]).max(0.0);
         for p in places {
-            // Smooth to second order at both ends.
-            let t = (way(p) / TURNING).clamp(0.0, 1.0);
+            // Smooth to second order at both ends; all of it where the point is, and beyond.
+            let t = ((way(p) - there) / TURNING).clamp(0.0, 1.0);
             p.x += aside * (1.0 - t * t * t * (10.0 - 15.0 * t + 6.0 * t * t));
         }
+    }
+}
+
+/// Lets places that end a little before a point ahead of them end there: a strip may end just beyond its line, and three strips
+/// meet a hair further.
+fn reach(places: &mut Vec<Place>, last: bool, point: &Vec3, most: f64) {
+    let count = places.len();
+    let (end, before) = if last { (count.wrapping_sub(1), count.wrapping_sub(2)) } else { (0, 1) };
+    let (Some(e), Some(b)) = (places.get(end), places.get(before)) else { return };
+    let off = point - e.x;
+    if off.dot(&(e.x - b.x)) > 0.0 && off.norm() <= most {
+        let share = if last { 1.0 + PLACES.1 } else { -PLACES.1 };
+        let added = Place { x: *point, share, feet: e.feet, inside: false };
+        places.insert(if last { count } else { 0 }, added);
     }
 }
 
@@ -155,9 +171,9 @@ pub(super) struct Junction {
 }
 
 impl Edge {
-    /// Whether it is farther from its strips than a share of its line's length.
-    pub fn misses(&self, line: &Line, share: f64) -> bool {
-        self.missed > share * line.length
+    /// Whether it is farther from its strips than a share of what lines are long.
+    pub fn misses(&self, share: f64) -> bool {
+        self.missed > share
     }
 }
 
@@ -262,6 +278,7 @@ impl Network<'_> {
         for (end, last) in line.ends.iter().zip([false, true]) {
             if let Some(common) = junctions.iter().find(|j| *end == End::Vertex(j.vertex)) {
                 turned_to(&mut places, last, &common.place);
+                reach(&mut places, last, &common.place, PLACES.1 * line.length);
             }
         }
         let points: Vec<[f64; 3]> = places.iter().map(|p| p.x.into()).collect();
@@ -276,15 +293,17 @@ impl Network<'_> {
                 }
             }
         }
-        Some(Edge { curve, missed })
+        // A short line among long ones need not be nearer than these.
+        let mean = self.lines.iter().map(|l| l.length).sum::<f64>() / self.lines.len() as f64;
+        Some(Edge { curve, missed: missed / line.length.max(mean) })
     }
 
-    /// The strips beside lines with edges that are farther from these than they should be (`wanted` of their lengths), or all where
-    /// they miss what they should meet of other faces, on twice the spans, and all as equally high over their lines as these allow.
-    /// `None` where a foot is lost.
+    /// The strips beside lines with edges that are farther from these than they should be (`wanted` of what lines are long), or all
+    /// where they miss what they should meet of other faces, on twice the spans, and all as equally high over their lines as
+    /// these allow. `None` where a foot is lost.
     pub fn polished(&self, edges: &[Option<Edge>], wanted: f64) -> Option<Self> {
         let references: Vec<Reference> = self.lines.iter().map(Reference::of).collect::<Option<_>>()?;
-        let misses = |(l, e): &(&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.misses(l, wanted));
+        let misses = |(_, e): &(&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.misses(wanted));
         let beside: BTreeSet<usize> = self.lines.iter().zip(edges).filter(misses).flat_map(|(l, _)| l.strips).collect();
         let all = !self.meets_aims();
         let mut now = self.clone();
@@ -438,7 +457,13 @@ mod tests {
             let share = 1.02 * i as f64 / count as f64 - 0.01;
             Place { x: Vec3::new(100.0 * share, 0.0, 0.0), share, feet: [0.0; 2], inside: true }
         };
-        for (last, point) in [(false, Vec3::new(0.02, 0.02, -0.01)), (true, Vec3::new(99.98, -0.03, 0.0))] {
+        let points = [
+            (false, [0.02, 0.02, -0.01]),
+            (true, [99.98, -0.03, 0.0]),
+            (true, [98.5, 0.02, 0.01]),
+            (false, [1.1, 0.1, 0.0]),
+        ];
+        for (last, point) in points.map(|(last, p)| (last, Vec3::from(p))) {
             let mut places: Vec<Place> = (0..=count).map(place).collect();
             turned_to(&mut places, last, &point);
             let near = places.windows(2).map(|w| {
@@ -446,8 +471,24 @@ mod tests {
                 (a + d * ((point - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) - point).norm()
             });
             assert!(near.fold(f64::INFINITY, f64::min) < 1e-4 * (point.y.abs() + point.z.abs()));
-            let stay = |p: &&Place| if last { p.share < 1.0 - TURNING } else { p.share > TURNING };
+            let end = if last { 100.0 - point.x } else { point.x } / 100.0 + 1e-2;
+            let stay = |p: &&Place| if last { p.share < 1.0 - TURNING - end } else { p.share > TURNING + end };
             assert!(places.iter().filter(stay).all(|p| p.x.y == 0.0 && p.x.z == 0.0));
+        }
+    }
+
+    /// A point a little beyond the last place is the new last one; one far beyond, or before it, is not.
+    #[test]
+    fn edges_reach_a_point_just_beyond_their_end() {
+        let place = |x: f64| Place { x: Vec3::new(x, 0.0, 0.0), share: x / 100.0, feet: [x; 2], inside: true };
+        for (last, x, added) in
+            [(true, 100.1, true), (false, -0.2, true), (true, 102.0, false), (true, 99.7, false), (false, 0.3, false)]
+        {
+            let mut places: Vec<Place> = (0..=200).map(|i| place(f64::from(i) / 2.0)).collect();
+            reach(&mut places, last, &Vec3::new(x, 0.0, 0.0), 1.0);
+            assert_eq!(places.len(), 201 + usize::from(added), "{x}");
+            let end = if last { places.last() } else { places.first() };
+            assert_eq!(end.map(|p| (p.x.x - x).abs() < 1e-12 && !p.inside), Some(added), "{x}");
         }
     }
 }

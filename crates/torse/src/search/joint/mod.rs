@@ -42,7 +42,7 @@ pub(crate) use network::Further;
 use network::Network;
 pub(crate) use start::whole_borders;
 
-/// Largest distance of an edge from its strips, as a share of its length: wanted, allowed.
+/// Largest distance of an edge from its strips, as a share of what lines are long: wanted, allowed.
 const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
 /// Share of the least regularity of samples that strips keep between these.
 const BETWEEN: f64 = 0.8;
@@ -194,7 +194,7 @@ impl<'a> Joint<'a> {
         let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
             labels: l.strips.map(|k| label(&k)),
             uv: l.points.iter().map(|p| p.uv).collect(),
-            edge: edge.filter(|e| !e.misses(l, ON_BOTH.1)).map(|e| e.curve),
+            edge: edge.filter(|e| !e.misses(ON_BOTH.1)).map(|e| e.curve),
         };
         let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
         Some(Joined {
@@ -211,9 +211,8 @@ impl<'a> Joint<'a> {
 /// Edges along all lines, on finer strips where they would miss these, and with vertices where edges meet. Strips may be a little
 /// less regular between their samples than at these.
 fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
-    let missing = |now: &Network, edges: &[Option<Edge>], share: f64| {
-        let misses = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.misses(l, share));
-        now.lines.iter().zip(edges).filter(|&p| misses(p)).count()
+    let missing = |edges: &[Option<Edge>], share: f64| {
+        edges.iter().filter(|e| e.as_ref().is_none_or(|e| e.misses(share))).count()
     };
     now.members.iter_mut().for_each(|m| m.least *= BETWEEN);
     let most = now.measured()[0].max(MOST);
@@ -222,13 +221,13 @@ fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
     let mut best = (now, edges);
     let mut finer: Option<(Network, Vec<Option<Edge>>)> = None;
     for _ in 0..POLISHINGS {
-        if missing(&best.0, &best.1, ON_BOTH.0) == 0 && best.0.meets_aims() {
+        if missing(&best.1, ON_BOTH.0) == 0 && best.0.meets_aims() {
             break;
         }
         let (last, edges) = finer.as_ref().unwrap_or(&best);
         let Some(next) = last.polished(edges, ON_BOTH.0).filter(|n| n.measured()[0] <= most) else { break };
         let edges = next.edges();
-        if missing(&next, &edges, ON_BOTH.1) <= missing(&best.0, &best.1, ON_BOTH.1) {
+        if missing(&edges, ON_BOTH.1) <= missing(&best.1, ON_BOTH.1) {
             best = (next, edges);
             finer = None;
         } else {
