@@ -353,19 +353,68 @@ fn ended(ribbon: Ribbon, lines: &mut [Vec<Piece>]) -> Ribbon {
     Ribbon { spans }
 }
 
+/// Share of the size by which the places of a span on its panel may be uneven.
+const UNEVEN: f64 = 5e-6;
+/// Parts of a span at most where they are.
+const MOST_PARTS: f64 = 16.0;
+
+/// Rulings with what is on them of the part, and where they are on their panel.
+struct Seated {
+    ribbon: Ribbon,
+    lines: Vec<Vec<Piece>>,
+    places: Vec<Along>,
+}
+
+impl Seated {
+    fn new(
+        ribbon: Ribbon,
+        (loops, size): (&[Vec<Vec2>], f64),
+        (atlas, panel): (&Atlas, usize),
+    ) -> Result<Self, NotRefolded> {
+        let tip = Tip::of(size, &ribbon, atlas, panel);
+        let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
+        let mut lines = lines.ok_or(NotRefolded::Beyond)?;
+        let ribbon = ended(ribbon, &mut lines);
+        let places = places(&ribbon.spans, &lines, (atlas, panel), tip.as_ref());
+        Ok(Self { ribbon, lines, places })
+    }
+
+    /// Into how many parts spans are to be cut so that what is between their first and last ruling lies on the panel as evenly as on
+    /// them, within `near` (mm): patches may have parameters that are not.
+    fn parts(&self, surface: &Surface, near: f64) -> Vec<usize> {
+        let mut reach = vec![NOTHING; self.ribbon.spans.len()];
+        for p in self.lines.iter().flatten() {
+            let own = &mut reach[p.span];
+            p.ends.iter().for_each(|e| *own = [own[0].min(e[1]), own[1].max(e[1])]);
+        }
+        let count = |(k, span): (usize, &Span)| {
+            let off = |share: f64, v: f64| {
+                let [a, b] = [&self.places[k], &self.places[k + 1]];
+                let at = |d: usize| (1.0 - share) * (a.at[d] + a.slope[d] * v) + share * (b.at[d] + b.slope[d] * v);
+                surface.point(at(0), at(1)) - span.space.moved(&span.in_space, share).point(v, 0.0)
+            };
+            let sag = |v: f64| (off(0.5, v) - (off(0.0, v) + off(1.0, v)) * 0.5).norm();
+            let worst = reach[k].into_iter().filter(|v| v.is_finite()).map(sag).fold(0.0, f64::max);
+            (worst / near).sqrt().ceil().clamp(1.0, MOST_PARTS) as usize
+        };
+        self.ribbon.spans.par_iter().enumerate().map(count).collect()
+    }
+}
+
 /// Judges the spans of one panel.
 fn assessed(
     part: &FlatPart,
     Share { ribbon, panel, loops }: Share,
     (atlas, control): (&Atlas, &Control),
 ) -> Result<UpperBound, NotRefolded> {
-    let ribbon = reaching(ribbon, &loops, REACHES * part.size());
-    let tip = Tip::of(part.size(), &ribbon, atlas, panel);
-    let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
-    let mut lines = lines.ok_or(NotRefolded::Beyond)?;
-    let ribbon = ended(ribbon, &mut lines);
+    let size = part.size();
+    let mut seated = Seated::new(reaching(ribbon, &loops, REACHES * size), (&loops, size), (atlas, panel))?;
+    let parts = seated.parts(&atlas.panels[panel].panel.surface, UNEVEN * size);
+    if parts.iter().any(|n| *n > 1) && !control.stopped() {
+        seated = Seated::new(seated.ribbon.parted(&parts), (&loops, size), (atlas, panel))?;
+    }
+    let Seated { ribbon, lines, places } = seated;
     let spans = &ribbon.spans[..];
-    let places = places(spans, &lines, (atlas, panel), tip.as_ref());
     let panel = &atlas.panels[panel].panel;
     let on_patch = |p: &Piece, [s, v]: [f64; 2]| {
         let at = |k: usize, d: usize| places[p.span + k].at[d] + places[p.span + k].slope[d] * v;

@@ -68,6 +68,15 @@ impl Ribbon {
         Self { spans }
     }
 
+    /// The same rulings and more: every span in so many parts.
+    pub fn parted(&self, parts: &[usize]) -> Self {
+        let of = |(s, n): (&Span, &usize)| {
+            let share = |i: usize| i as f64 / *n as f64;
+            (0..*n).map(|i| s.part([share(i), share(i + 1)])).collect::<Vec<_>>()
+        };
+        Self { spans: self.spans.iter().zip(parts).flat_map(of).collect() }
+    }
+
     /// Range of the parameter.
     pub fn end(&self) -> f64 {
         self.spans.len() as f64
@@ -127,6 +136,9 @@ mod tests {
             pose = pose.moved(&rates, 1.0);
         }
         let whole = Ribbon { spans };
+        let parted = whole.parted(&[1, 3, 1, 2]);
+        assert!(parted.spans.len() == 7 && (parted.space(7.0).at - whole.space(4.0).at).norm() < 1e-12);
+        assert!((parted.space(3.0).at - whole.space(1.0 + 2.0 / 3.0).at).norm() < 1e-12);
         for (from, to) in [(0.5, 3.25), (1.0, 2.0), (2.2, 2.7), (-0.5, 4.5)] {
             let part = whole.between([from, to]);
             for (t, s) in [(from, 0.0), (to, part.end())] {
