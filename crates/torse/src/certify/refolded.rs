@@ -431,7 +431,7 @@ impl<'a> Judge<'a> {
             let beside = change.map(|c| (c * part.sqr()).mag());
             for k in 0..parts {
                 let ends = [at(k), at(k + 1)];
-                let hull = |of: &dyn Fn(&([Interval; 2], [Interval; 2])) -> Interval| of(&ends[0]).hull(of(&ends[1]));
+                let hull = |of: &dyn Fn(&Both) -> Interval| of(&ends[0]).hull(of(&ends[1]));
                 let box_ = [0, 1].map(|d: usize| hull(&|e| e.0[d].hull(e.1[d])).widen(beside[d]));
                 let off = [0, 1].map(|d: usize| hull(&|e| e.0[d] - e.1[d]).widen(beside[d]));
                 let jet = self.tensor.affine_over(box_);
@@ -456,6 +456,9 @@ impl<'a> Judge<'a> {
         off(0).max(off(1)) + beside * (1.0 + ROUNDING) + self.rough
     }
 }
+
+/// A place of a line and the one of the border that belongs to it.
+type Both = ([Interval; 2], [Interval; 2]);
 
 /// Parameters of the patch along a ruling, enclosed.
 struct Ruling {

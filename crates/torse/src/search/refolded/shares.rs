@@ -114,17 +114,23 @@ fn is_inside(loops: &[Vec<Vec2>], q: &Vec2, near: f64) -> bool {
     inside(loops, q) && distance(loops, q) > near
 }
 
-/// Straight edges of panels that run through polygons, the longest first.
+/// Straight edges that panels have in common and that run through polygons, the longest first. Where a sharp bend takes up or lacks
+/// sheet, edges of neighbours are apart.
 fn common_edges(loops: &[Vec<Vec2>], near: f64, atlas: &Atlas) -> Vec<[Vec2; 2]> {
+    let flat = |panel: usize, uv: &[f64; 2]| atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 });
+    let border = |panel: usize| -> Vec<Vec<Vec2>> {
+        atlas.panels[panel].panel.loops.iter().map(|l| l.iter().map(|uv| flat(panel, uv)).collect()).collect()
+    };
+    let borders: Vec<Vec<Vec<Vec2>>> = (0..atlas.panels.len()).map(border).collect();
     let mut out: Vec<[Vec2; 2]> = Vec::new();
     for (panel, placed) in atlas.panels.iter().enumerate() {
-        let flat = |uv: &[f64; 2]| atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 });
-        let corners: Vec<Vec2> = placed.panel.corners.iter().map(flat).collect();
-        let border: Vec<Vec<Vec2>> = placed.panel.loops.iter().map(|l| l.iter().map(flat).collect()).collect();
+        let corners: Vec<Vec2> = placed.panel.corners.iter().map(|uv| flat(panel, uv)).collect();
         for (p, q) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             let (edge, middle) = ([*p, *q], 0.5 * (p + q));
             let known = out.iter().any(|e| same_segment(e, &edge, near).is_some());
-            if !known && is_inside(loops, &middle, near) && distance(&border, &middle) <= near {
+            let on = |k: usize| distance(&borders[k], &middle) <= near;
+            let is_common = || on(panel) && (0..borders.len()).any(|k| k != panel && on(k));
+            if !known && is_inside(loops, &middle, near) && is_common() {
                 out.push(edge);
             }
         }
