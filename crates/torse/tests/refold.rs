@@ -96,7 +96,7 @@ fn round_parts_with_holes_are_proven_near_their_tolerance() {
         let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
         let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
         let p = &report.parts[0];
-        assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 1.5 * TOLERANCE), "{p:?}");
+        assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 1.25 * TOLERANCE), "{p:?}");
     }
 }
 
@@ -126,6 +126,12 @@ fn fans_between_planes_are_proven() {
     let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.05) };
     let mut flat = torse::unroll(&model, &options, &Control::default()).expect("flat parts");
     let unrolled: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    // The hull has fans between triangles, whose rulings leave the part and come back to it.
+    let mut hull = torse::hull(&[square, round], &torse::Hull::new(0.05), &Control::default()).expect("a hull");
+    let wrapped: Files = torse::files(&mut hull, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let report = refold(&|n| wrapped.get(n).cloned(), &Control::default()).expect("an answer").report();
+    let proven = report.parts.iter().flat_map(|p| &p.panels).filter(|p| p.distance_bound.is_some_and(|b| b < 0.05));
+    assert_eq!(proven.count(), report.parts.iter().map(|p| p.panels.len()).sum::<usize>(), "{report:?}");
     for (files, bound) in [(files, 0.02), (unrolled, 0.3)] {
         let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
         assert!(report.left.is_empty(), "{report:?}");

@@ -22,8 +22,17 @@ pub struct FreeCurve {
 pub enum FreeShape {
     /// Pieces in order, homogeneous.
     Curve(Vec<Curve<4>>),
-    /// A point, or where a text stands.
+    /// A point, or where a text without a direction stands.
     Point(Vec3),
+    /// A text, whose words are its name.
+    Text {
+        /// Where its base line begins.
+        at: Vec3,
+        /// Direction of its base line, a unit vector but for what a placement makes of it.
+        along: Vec3,
+        /// From the base line up to the top of its capitals.
+        up: Vec3,
+    },
 }
 
 impl FreeShape {
@@ -40,6 +49,9 @@ impl FreeShape {
         match self {
             Self::Curve(pieces) => Self::Curve(pieces.into_iter().map(curve).collect()),
             Self::Point(x) => Self::Point(place.point(&x)),
+            Self::Text { at, along, up } => {
+                Self::Text { at: place.point(&at), along: place.linear * along, up: place.linear * up }
+            }
         }
     }
 
@@ -51,6 +63,7 @@ impl FreeShape {
                 !pieces.is_empty() && pieces.iter().all(|c| c.control.iter().all(sound))
             }
             Self::Point(x) => x.iter().all(|x| x.is_finite()),
+            Self::Text { at, along, up } => [at, along, up].into_iter().flatten().all(|x| x.is_finite()),
         }
     }
 }

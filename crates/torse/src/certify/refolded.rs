@@ -14,8 +14,9 @@
 //! segments of the parameter plane, whose images are no longer than β. A place of the panel off these segments is enclosed by
 //! Φ∘γ as often as by the border: it is Φ of a place of T. A place `y` of T whose Φ(y) is off them is, because Φ does not
 //! fold, enclosed by the border too. Everything on the segments is within β of both edges. 3. In the plane the same is asked of
-//! F∘γ and the outline as drawn: ε, which is a distance in space too, because the strip keeps lengths.
-//! `D = δ + β + ε` and what rounding leaves between spans.
+//! F∘γ and the outline as drawn: ε, which is a distance in space too, because the strip keeps lengths. 4. What is off the segments is
+//! within the δ of its span, what is on that of one place of γ within the δ, β and ε of the piece that holds it: D is the greatest δ,
+//! or the greatest sum of the three of one piece, and what rounding leaves between spans.
 //!
 //! How lines, places and borders are matched does not matter for the proof: any numbers will do, near ones make D small.
 
@@ -88,6 +89,10 @@ pub enum Unshown {
 const ROUNDING: f64 = 1e-12;
 /// Cells across a span along its rulings.
 const CELLS: usize = 4;
+/// Parts of a span in both directions, at most; of an outline's pieces the square of it.
+const FINEST: usize = 16;
+/// Share of a bound below which another one is worth more parts.
+const GAIN: f64 = 0.95;
 /// Places on a border that are one, in corners.
 const ONE_PLACE: f64 = 1e-6;
 
@@ -95,31 +100,69 @@ const ONE_PLACE: f64 = 1e-6;
 pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
     let judge = Judge::new(stretch)?;
     judge.check_lines()?;
-    let (mut bent, mut sign) = (0.0_f64, 0);
+    let mut sign = 0;
+    let mut bent = vec![0.0_f64; stretch.spans.len()];
     for k in 0..stretch.spans.len() {
         let Some(reach) = judge.reach[k] else { continue };
         let here = judge.orientation(k, reach).filter(|s| sign == 0 || *s == sign).ok_or(Unshown::Folds)?;
         sign = here;
-        bent = bent.max(judge.span(k, reach));
+        bent[k] = judge.span(k, reach, 1);
     }
-    let (mut edge, mut outline) = (0.0_f64, 0.0_f64);
-    for (border, line) in &stretch.lines {
-        for piece in line {
-            edge = edge.max(judge.to_border(piece, &stretch.borders[*border]));
-            outline = outline.max(judge.to_drawing(piece));
-        }
+    let mut worst = 0.0_f64;
+    for k in falling(&bent) {
+        let Some(reach) = judge.reach[k].filter(|_| GAIN * bent[k] > worst) else { break };
+        bent[k] = refined(bent[k], worst, &|n| judge.span(k, reach, n));
+        worst = bent[k].max(worst);
     }
-    let sum = [bent, edge, outline, judge.gap, stretch.chords]
-        .into_iter()
-        .map(Interval::point)
-        .fold(Interval::ZERO, |s, x| s + x);
-    let bound = UpperBound::shown(sum.hi);
+    worst = bent.iter().copied().fold(worst, worse);
+    let pieces: Vec<(usize, &Piece)> = stretch.lines.iter().flat_map(|(b, l)| l.iter().map(move |p| (*b, p))).collect();
+    let of = |(border, piece): (usize, &Piece), bent: f64, n: usize| {
+        sum(&[bent, judge.to_border(piece, &stretch.borders[border], n * n), judge.to_drawing(piece)])
+    };
+    let mut whole: Vec<f64> = pieces.iter().map(|p| of(*p, bent[p.1.span], 1)).collect();
+    for k in falling(&whole) {
+        let (here, span) = (pieces[k], pieces[k].1.span);
+        let Some(reach) = judge.reach[span].filter(|_| GAIN * whole[k] > worst) else { break };
+        let fine = |n: usize| of(here, judge.span(span, reach, n).min(bent[span]), n);
+        whole[k] = refined(whole[k], worst, &fine);
+        worst = whole[k].max(worst);
+    }
+    worst = whole.iter().copied().fold(worst, worse);
+    let bound = UpperBound::shown(sum(&[worst, judge.gap, stretch.chords]));
     // Any infinite or undefined term shows nothing.
     if bound.value().is_finite() {
         Ok(bound)
     } else {
         Err(Unshown::Unbounded)
     }
+}
+
+/// The sum of bounds, rounded up.
+fn sum(terms: &[f64]) -> f64 {
+    terms.iter().copied().map(Interval::point).fold(Interval::ZERO, |s, x| s + x).hi
+}
+
+/// Indices of numbers, the greatest first.
+fn falling(of: &[f64]) -> Vec<usize> {
+    let mut out: Vec<usize> = (0..of.len()).collect();
+    out.sort_by(|a, b| of[*b].total_cmp(&of[*a]));
+    out
+}
+
+/// A bound over ever more parts, while that gains something and more than `enough`: the greatest is asked for, and what is below it
+/// need not be known better.
+fn refined(coarse: f64, enough: f64, over: &dyn Fn(usize) -> f64) -> f64 {
+    let (mut best, mut parts) = (coarse, 2);
+    while best > enough && parts <= FINEST {
+        let next = over(parts);
+        let gains = next < GAIN * best;
+        best = best.min(next);
+        if !gains {
+            break;
+        }
+        parts *= 2;
+    }
+    best
 }
 
 struct Judge<'a> {
@@ -211,10 +254,15 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Parameters at a ruling, 0 the first of a span and 1 its last.
-    fn place(&self, k: usize, end: usize, v: Interval) -> [Interval; 2] {
-        let p = &self.asked.places[k + end];
-        [0, 1].map(|d| Interval::point(p.at[d]) + Interval::point(p.slope[d]) * v)
+    /// The parameters along the ruling at a share of a span.
+    fn ruling(&self, k: usize, share: f64) -> Ruling {
+        let [p, q] = [&self.asked.places[k], &self.asked.places[k + 1]];
+        let (s, rest) = (Interval::point(share), Interval::ONE - Interval::point(share));
+        let of = |a: f64, b: f64| Interval::point(a) * rest + Interval::point(b) * s;
+        Ruling {
+            at: [0, 1].map(|d: usize| of(p.at[d], q.at[d])),
+            slope: [0, 1].map(|d: usize| of(p.slope[d], q.slope[d])),
+        }
     }
 
     /// Derivative of the parameters over a span, at a way: what is the same at both ends is taken off before the way comes in,
@@ -247,54 +295,61 @@ impl<'a> Judge<'a> {
         sign
     }
 
-    /// Bound of `|X − S∘Φ|` on a span.
-    fn span(&self, k: usize, [lo, hi]: [f64; 2]) -> f64 {
-        let at = |i: usize| if i == CELLS { hi } else { lo + (hi - lo) * i as f64 / CELLS as f64 };
-        let corners: Vec<f64> = (0..=CELLS).map(|i| self.corner(k, 0, at(i)).max(self.corner(k, 1, at(i)))).collect();
-        let cell = |i: usize| {
-            let v = Interval::new(at(i), at(i + 1));
-            let [a, b] = [self.place(k, 0, v), self.place(k, 1, v)];
-            let box_ = [a[0].hull(b[0]), a[1].hull(b[1])];
-            let jet = self.tensor.affine_over(box_);
-            let bends = sub(&self.turning(k, v), &second(&jet, self.along_span(k, v)));
-            let slopes = [0, 1].map(|d: usize| {
-                let p = &self.asked.places;
-                Interval::new(p[k].slope[d], p[k + 1].slope[d])
-            });
-            let wide = Interval::point(at(i + 1)) - Interval::point(at(i));
-            let ends = Interval::point(corners[i].max(corners[i + 1]));
-            if self.tensor.creased(box_) {
-                // A function is within a quarter of what its derivative ranges over of its chord.
-                let range = |along: [Interval; 2]| {
-                    let first = add(&scale(&jet.du, along[0]), &scale(&jet.dv, along[1]));
-                    Interval::point(length_bound(&first.map(|x| Interval::point(x.width()))))
-                };
-                let turning = Interval::point(length_bound(&self.turning(k, v)));
-                let along = range(self.along_span(k, v)) + turning;
-                let across = Interval::point(worse(self.across(k, a, wide), self.across(k + 1, b, wide)));
-                let quarter = (ends + along.scale_exact(0.25) + across).hi;
-                // Where all but a share of the span is beside the crease, the rest is off by no more than its share of that, and
-                // moves the chord by as much.
-                let speed = self.along_span(k, v)[0].mig();
-                let less = self.tensor.beside_crease(box_).filter(|_| speed > 0.0).map(|beyond| {
-                    let share = Interval::point(beyond) / Interval::point(speed);
-                    let smooth = Interval::point(length_bound(&bends)).scale_exact(0.125);
-                    (ends + smooth + (share * along).scale_exact(2.0) + across).hi
-                });
-                return less.map_or(quarter, |l| l.min(quarter));
-            }
+    /// Bound of `|X − S∘Φ|` on a span, in so many parts of it and times as many along its rulings.
+    fn span(&self, k: usize, [lo, hi]: [f64; 2], parts: usize) -> f64 {
+        let count = CELLS * parts;
+        let way = |i: usize| if i == count { hi } else { lo + (hi - lo) * i as f64 / count as f64 };
+        let share = |j: usize| j as f64 / parts as f64;
+        let corners: Vec<Vec<f64>> =
+            (0..=parts).map(|j| (0..=count).map(|i| self.corner(k, share(j), way(i))).collect()).collect();
+        let mut out = 0.0;
+        for (i, j) in (0..count).flat_map(|i| (0..parts).map(move |j| (i, j))) {
+            let at = |j: usize| corners[j][i].max(corners[j][i + 1]);
+            let cell = self.cell(k, [share(j), share(j + 1)], [way(i), way(i + 1)]);
+            out = worse(out, sum(&[at(j).max(at(j + 1)), cell]));
+        }
+        out
+    }
+
+    /// Bound of the distance on a cell from the bilinear function through its corners.
+    fn cell(&self, k: usize, shares: [f64; 2], ways: [f64; 2]) -> f64 {
+        let v = Interval::new(ways[0], ways[1]);
+        let ends = shares.map(|s| self.ruling(k, s));
+        let [a, b] = [0, 1].map(|e: usize| ends[e].place(v));
+        let box_ = [a[0].hull(b[0]), a[1].hull(b[1])];
+        let jet = self.tensor.affine_over(box_);
+        let bends = sub(&self.turning(k, v), &second(&jet, self.along_span(k, v)));
+        let [long, wide] = [shares, ways].map(|[from, to]| Interval::point(to) - Interval::point(from));
+        let smooth = (Interval::point(length_bound(&bends)) * long.sqr()).scale_exact(0.125);
+        if !self.tensor.creased(box_) {
+            let slopes = [0, 1].map(|d: usize| ends[0].slope[d].hull(ends[1].slope[d]));
             let rest = length_bound(&scale(&second(&jet, slopes), wide.sqr()));
-            let eighth = (Interval::point(length_bound(&bends)) + Interval::point(rest)).scale_exact(0.125);
-            (ends + eighth).hi
+            return (smooth + Interval::point(rest).scale_exact(0.125)).hi;
+        }
+        // A function is within a quarter of what its derivative ranges over of its chord.
+        let first = {
+            let along = self.along_span(k, v);
+            add(&scale(&jet.du, along[0]), &scale(&jet.dv, along[1]))
         };
-        (0..CELLS).map(cell).fold(0.0, worse)
+        let range = Interval::point(length_bound(&first.map(|x| Interval::point(x.width()))));
+        let along = range + Interval::point(length_bound(&self.turning(k, v)));
+        let across = Interval::point(worse(self.across(&ends[0], a, wide), self.across(&ends[1], b, wide)));
+        let quarter = ((along * long).scale_exact(0.25) + across).hi;
+        // Where all but a share of the span is beside the crease, the rest is off by no more than its share of that, and moves the
+        // chord by as much.
+        let speed = self.along_span(k, v)[0].mig();
+        let less = self.tensor.beside_crease(box_).filter(|_| speed > 0.0).map(|beyond| {
+            let share = Interval::point(beyond) / Interval::point(speed);
+            (smooth + (share * along).scale_exact(2.0) + across).hi
+        });
+        less.map_or(quarter, |l| l.min(quarter))
     }
 
     /// Bound of the distance of the patch from its chord along a ruling, over the box of its places and so long: an eighth of
     /// the second derivative, or a quarter of what the first ranges over where the ruling crosses a crease.
-    fn across(&self, ruling: usize, box_: [Interval; 2], wide: Interval) -> f64 {
+    fn across(&self, ruling: &Ruling, box_: [Interval; 2], wide: Interval) -> f64 {
         let jet = self.tensor.affine_over(box_);
-        let slope = self.asked.places[ruling].slope.map(Interval::point);
+        let slope = ruling.slope;
         let bound = if self.tensor.creased(box_) {
             let first = add(&scale(&jet.du, slope[0]), &scale(&jet.dv, slope[1]));
             (Interval::point(length_bound(&first.map(|x| Interval::point(x.width())))) * wide).scale_exact(0.25)
@@ -320,36 +375,24 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Bound of the distance at an end of a ruling of a span.
-    fn corner(&self, k: usize, end: usize, v: f64) -> f64 {
+    /// Bound of the distance at a place of a span.
+    fn corner(&self, k: usize, share: f64, v: f64) -> f64 {
         let s = &self.asked.spans[k];
-        let pose = if end == 0 { s.space } else { s.space.moved(&s.in_space, 1.0) };
+        let pose = if share == 0.0 { s.space } else { s.space.moved(&s.in_space, share) };
         let x = pose.point(v, 0.0) - self.origin;
-        let on = self.tensor.affine_at(self.place(k, end, Interval::point(v))).p;
+        let on = self.tensor.affine_at(self.phi(k, [share, v])).p;
         let x = [x.x, x.y, x.z].map(|c| Interval::point(c).widen(self.rough));
         length_bound(&sub(&x, &on))
     }
 
     /// Φ at a place of a span.
     fn phi(&self, k: usize, [s, v]: [f64; 2]) -> [Interval; 2] {
-        let [a, b] = [0, 1].map(|end| self.place(k, end, Interval::point(v)));
-        let (s, t) = (Interval::point(s), Interval::ONE - Interval::point(s));
-        [0, 1].map(|d| a[d] * t + b[d] * s)
+        self.ruling(k, s).place(Interval::point(v))
     }
 
-    /// Bound of the images of the segments between a piece and its stretch of the border.
-    fn to_border(&self, piece: &Piece, border: &[[f64; 2]]) -> f64 {
+    /// Bound of the images of the segments between a piece and its stretch of the border, in so many parts between corners.
+    fn to_border(&self, piece: &Piece, border: &[[f64; 2]], parts: usize) -> f64 {
         let [from, to] = piece.border;
-        // Where the border turns, and both ends.
-        let (low, high) = (from.min(to), from.max(to));
-        let first = low.floor() as i64 + 1;
-        let mut cuts: Vec<f64> = vec![from];
-        let mut inner: Vec<f64> = (first..).map(|k| k as f64).take_while(|x| *x < high).collect();
-        if to < from {
-            inner.reverse();
-        }
-        cuts.extend(inner);
-        cuts.push(to);
         let n = border.len() as i64;
         let on_border = |x: f64| {
             let k = x.floor();
@@ -358,8 +401,7 @@ impl<'a> Judge<'a> {
             [0, 1].map(|d| Interval::point(a[d]) * (Interval::ONE - share) + Interval::point(b[d]) * share)
         };
         let [p, q] = piece.ends;
-        let on_line = |x: f64| {
-            let share = if to == from { 0.0 } else { (x - from) / (to - from) };
+        let on_line = |share: f64| {
             let at = [0, 1].map(|d: usize| if share == 1.0 { q[d] } else { p[d] + (q[d] - p[d]) * share });
             self.phi(piece.span, at)
         };
@@ -368,21 +410,33 @@ impl<'a> Judge<'a> {
         let change = [0, 1].map(|d: usize| {
             let slope = Interval::point(places[piece.span + 1].slope[d]) - Interval::point(places[piece.span].slope[d]);
             let [ds, dv] = [0, 1].map(|e: usize| Interval::point(q[e]) - Interval::point(p[e]));
-            (slope * ds * dv).scale_exact(0.25).mag()
+            (slope * ds * dv).scale_exact(0.25)
         });
+        // Shares of the piece and places on the border: where this turns, and both ends.
+        let share = |x: f64| if to == from { 1.0 } else { (x - from) / (to - from) };
+        let mut stations = vec![(0.0, from)];
+        let mut inner: Vec<f64> =
+            (from.min(to).floor() as i64 + 1..).map(|k| k as f64).take_while(|x| *x < from.max(to)).collect();
+        if to < from {
+            inner.reverse();
+        }
+        stations.extend(inner.into_iter().map(|x| (share(x), x)));
+        stations.push((1.0, to));
         let mut out = 0.0;
-        for w in cuts.windows(2) {
-            let ends = [w[0], w[1]].map(|x| (on_line(x), on_border(x)));
-            let box_of = |d: usize| {
-                let hull = |e: &([Interval; 2], [Interval; 2])| e.0[d].hull(e.1[d]);
-                hull(&ends[0]).hull(hull(&ends[1])).widen(change[d])
-            };
-            let off = |d: usize| {
-                let of = |e: &([Interval; 2], [Interval; 2])| e.0[d] - e.1[d];
-                of(&ends[0]).hull(of(&ends[1])).widen(change[d])
-            };
-            let jet = self.tensor.affine_over([box_of(0), box_of(1)]);
-            out = worse(out, length_bound(&add(&scale(&jet.du, off(0)), &scale(&jet.dv, off(1)))));
+        for w in stations.windows(2) {
+            let [(s, x), (t, y)] = [w[0], w[1]];
+            let between = |a: f64, b: f64, k: usize| if k == parts { b } else { a + (b - a) * k as f64 / parts as f64 };
+            let at = |k: usize| (on_line(between(s, t, k)), on_border(between(x, y, k)));
+            let part = (Interval::point(t) - Interval::point(s)) / Interval::point(parts as f64);
+            let beside = change.map(|c| (c * part.sqr()).mag());
+            for k in 0..parts {
+                let ends = [at(k), at(k + 1)];
+                let hull = |of: &dyn Fn(&Both) -> Interval| of(&ends[0]).hull(of(&ends[1]));
+                let box_ = [0, 1].map(|d: usize| hull(&|e| e.0[d].hull(e.1[d])).widen(beside[d]));
+                let off = [0, 1].map(|d: usize| hull(&|e| e.0[d] - e.1[d]).widen(beside[d]));
+                let jet = self.tensor.affine_over(box_);
+                out = worse(out, length_bound(&add(&scale(&jet.du, off[0]), &scale(&jet.dv, off[1]))));
+            }
         }
         out
     }
@@ -400,6 +454,22 @@ impl<'a> Judge<'a> {
         let speed = s.in_plane.along.hypot(s.in_plane.across) + v0.abs().max(v1.abs()) * spin;
         let beside = 0.125 * (ds * ds * spin * speed + 2.0 * ds * dv * spin);
         off(0).max(off(1)) + beside * (1.0 + ROUNDING) + self.rough
+    }
+}
+
+/// A place of a line and the one of the border that belongs to it.
+type Both = ([Interval; 2], [Interval; 2]);
+
+/// Parameters of the patch along a ruling, enclosed.
+struct Ruling {
+    at: [Interval; 2],
+    slope: [Interval; 2],
+}
+
+impl Ruling {
+    /// The parameters at a way.
+    fn place(&self, v: Interval) -> [Interval; 2] {
+        [0, 1].map(|d| self.at[d] + self.slope[d] * v)
     }
 }
 
@@ -531,6 +601,19 @@ mod tests {
             let found = bound(n, RADIUS, |_, _| {}).expect("a bound");
             assert!(found < 1.0 / (n * n) as f64, "{n}: {found:e}");
         }
+    }
+
+    #[test]
+    fn what_enclosures_leave_falls_with_the_parts() {
+        let (spans, places, line) = strip(3, RADIUS);
+        let (surface, borders) = (patch(), [BORDER.to_vec()]);
+        let lines = vec![(0, line)];
+        let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+        let judge = Judge::new(&stretch).expect("a judge");
+        let [coarse, fine] = [1, 8].map(|n| judge.span(1, [-HEIGHT, 0.0], n));
+        // The greatest distance at places of the span.
+        let seen = (0..=20).map(|i| judge.corner(1, f64::from(i) / 20.0, 0.0)).fold(0.0, f64::max);
+        assert!(seen <= fine && fine < 0.5 * coarse && fine < 2.0 * seen, "{seen} {fine} {coarse}");
     }
 
     #[test]

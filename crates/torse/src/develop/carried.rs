@@ -3,13 +3,14 @@
 //! *Method*. A curve is followed from point to point, each pulled to the nearest place of the faces within their edges and from
 //! there mapped to the plane by the maps that laid the part flat. Where it leaves the faces, and where its image leaps because
 //! the part is cut open there, its ends are found by halving; between them chords are halved until they keep to a distance.
-//! What lies on the other skin of a sheet has its foot on that which is laid flat, a thickness away along the normal.
+//! What lies on a face that a panel covers has its foot on the panel. What lies on the other skin of a sheet has its foot on that which is laid flat, a thickness away along the normal.
 //! Everything here is measured, not proven.
 
 use super::refold::atlas::{Atlas, OnPanel};
 use super::refold::drawn::{distance, foot};
 use super::shop::roll::outlines;
 use super::shop::sections::{clipped, simplified};
+use crate::brep::face::Face;
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::patchwork::pattern::Pattern;
 use crate::spline::curve::Curve;
@@ -24,6 +25,8 @@ pub(crate) struct Target {
     rough: f64,
     /// Distance (mm) that images on both sides of a sharp bend may be apart.
     leap: f64,
+    /// The face that the part covers as a panel, and how far (mm) it may be from that.
+    ground: Option<(Atlas, f64)>,
     /// Where the other skin of the sheet is, for every face: its distance (mm) along the normal; none of surfaces.
     other_skin: Vec<f64>,
 }
@@ -143,12 +146,20 @@ impl Target {
         }
         let size = pattern.length.max(pattern.area.sqrt());
         let (loops, rough) = (outlines(pattern, size), pattern.contour_error.max(0.0));
-        Self { atlas, bounds, loops, rough, leap, other_skin: Vec::new() }
+        Self { atlas, bounds, loops, rough, leap, ground: None, other_skin: Vec::new() }
     }
 
     /// The same part of a sheet, the other skin of which is so far (mm) along the normals of its faces, in their order.
     pub fn of_sheet(self, other_skin: Vec<f64>) -> Self {
         Self { other_skin, ..self }
+    }
+
+    /// The same part as a panel that covers a face within a distance (mm): what lies on the face is on the panel where its foot is.
+    pub fn covering(self, face: &Face, within: f64) -> Self {
+        let mut bounds = self.bounds;
+        let own = face.surface.bbox();
+        [own.min, own.max].iter().for_each(|p| bounds.include(p));
+        Self { bounds, ground: Some((Atlas::of_parameters(face), within)), ..self }
     }
 
     /// Whether it has another skin.
@@ -180,9 +191,9 @@ impl Target {
         (self.bounds.min - x).sup(&(x - self.bounds.max)).sup(&Vec3::zeros()).norm()
     }
 
-    /// Distance (mm) of a point from the part.
+    /// Distance (mm) of a point from the part, or from the face that it covers.
     pub fn distance(&self, x: &Vec3) -> f64 {
-        self.atlas.from_space(x).map_or(f64::INFINITY, |on| on.off)
+        self.ground.as_ref().map_or(&self.atlas, |g| &g.0).from_space(x).map_or(f64::INFINITY, |on| on.off)
     }
 
     /// A point as a cross of two lines on the pattern, as far as these are inside it, and its distance (mm) from the part; `None`
@@ -194,6 +205,25 @@ impl Target {
         let arm = ARM * (high - low).norm();
         let line = |d: Vec2| clipped(&[p - d, p + d], &self.loops);
         Some(([line(Vec2::new(arm, 0.0)), line(Vec2::new(0.0, arm))].concat(), on.off))
+    }
+
+    /// The strokes of a text (from the beginning of its base line, mm) on the pattern, as far as they are inside it, where its base
+    /// line begins and goes `ahead` from there, and the distance (mm) of that place from the part; `None` where it lies on no face.
+    pub fn text(
+        &self,
+        (at, ahead): (&Vec3, &Vec3),
+        strokes: &[Vec<Vec2>],
+        (within, skin): (f64, Skin),
+    ) -> Option<(Vec<Vec<Vec2>>, f64)> {
+        let first = self.spot(0.0, *at, None, (within, skin));
+        let (on, p) = first.place?;
+        let way = [1.0, -1.0].into_iter().find_map(|sign| {
+            let next = self.spot(0.0, at + ahead * sign, Some(&first), (within, skin)).place?.1;
+            ((next - p) * sign).try_normalize(0.0)
+        })?;
+        let up = Vec2::new(-way.y, way.x);
+        let line = |l: &Vec<Vec2>| -> Vec<Vec2> { l.iter().map(|q| p + way * q.x + up * q.y).collect() };
+        Some((strokes.iter().flat_map(|l| clipped(&line(l), &self.loops)).collect(), on.off))
     }
 
     /// The lines of a curve.
@@ -234,10 +264,27 @@ impl Target {
 
     /// The place of a point within a distance of a skin, near that of the point before where that is near enough.
     fn spot(&self, s: f64, x: Vec3, before: Option<&Spot>, (within, skin): (f64, Skin)) -> Spot {
-        let told = |on: OnPanel| self.on_skin(&x, on, skin).filter(|on| on.off <= within);
+        let mut reach = within + self.depth(skin);
+        if let Some((face, off)) = &self.ground {
+            reach += off;
+            if face.within(&x, within).is_none_or(|on| on.off > within) {
+                return Spot { s, x, place: None };
+            }
+        }
+        let told = |on: OnPanel| self.on_skin(&x, on, skin).filter(|on| self.is_above(&x, on, within));
         let near = before.and_then(|b| self.atlas.beside(&x, &b.place?.0)).and_then(told);
-        let on = near.or_else(|| self.atlas.within(&x, within + self.depth(skin)).and_then(told));
+        let on = near.or_else(|| self.atlas.within(&x, reach).and_then(told));
         Spot { s, x, place: on.map(|on| (on, self.atlas.flat(&on))) }
+    }
+
+    /// Whether a point is within a distance of its place; of a panel that covers a face, whether it is beside the place by no more, and
+    /// above or below it no farther than that and the panel are off.
+    fn is_above(&self, x: &Vec3, on: &OnPanel, within: f64) -> bool {
+        let Some((_, off)) = &self.ground else { return on.off <= within };
+        let jet = self.atlas.panels[on.panel].panel.surface.jet(on.uv[0], on.uv[1]);
+        let Some(normal) = jet.normal().try_normalize(0.0) else { return false };
+        let way = x - jet.p;
+        on.off <= within + off && (way - normal * way.dot(&normal)).norm() <= within
     }
 }
 

@@ -50,6 +50,19 @@ pub(super) fn first_of(reason: &str) -> String {
     }
 }
 
+/// What is said of annotations that are not carried to flat patterns: how many of each kind, named in the singular and the plural.
+pub(super) fn not_carried(counts: &[(usize, &str, &str)]) -> Option<String> {
+    let told =
+        counts.iter().filter(|c| c.0 > 0).map(|(n, one, many)| format!("{n} {}", if *n == 1 { one } else { many }));
+    let told: Vec<String> = told.collect();
+    let last = told.last()?;
+    let list = match told.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => last.clone(),
+    };
+    Some(format!("annotations are not carried to flat patterns: {list}"))
+}
+
 /// A face or item of a file that its reader leaves out, with what the reader says of it.
 pub(crate) fn unread(entity: u64, words: impl Into<String>, area_estimate: Option<f64>) -> Skipped {
     Skipped::of_file(entity, Reason::Input(words.into()), area_estimate)

@@ -3,9 +3,11 @@
 mod bodies;
 mod carried;
 mod covered;
+mod followed;
 mod joined;
 mod options;
 mod proofs;
+mod targets;
 #[cfg(test)]
 mod tests;
 
@@ -78,7 +80,6 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
         parts.par_iter_mut().map(|p| proven(p, &faces, options.tolerance, control)).unzip();
     let joints = joined(&mut parts, &through_panels);
-    let carried = carried::carry(&model.curves, (&mut parts, &through_panels), &faces, options.tolerance);
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
@@ -131,12 +132,16 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     if !touching.is_empty() {
         answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
     }
-    answer.notes.extend(notes(&parts, options).into_iter().chain(carried).chain(absent).map(Note::Unroll));
+    answer.notes.extend(notes(&parts, options).into_iter().chain(absent).map(Note::Unroll));
     answer.notes.extend(apart(&answer.patterns, options.tolerance));
+    let mut covers = Vec::new();
     if let Some(tolerance) = options.approximate {
         let rest = (0..faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| faces[k].clone()).collect();
-        covered::add(&mut answer, rest, tolerance, control)?;
+        covers = covered::add(&mut answer, rest, (tolerance, !model.curves.is_empty()), control)?;
     }
+    let given = (&parts[..], &through_panels[..], &faces[..]);
+    let carried = carried::carry(&model.curves, (&mut answer.patterns, covers), given, options.tolerance);
+    answer.notes.extend(carried.into_iter().map(Note::Unroll));
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
 }

@@ -6,21 +6,23 @@
 //! strip runs over several panels, the outline of each is closed along the ruling between them. Borders of panels are
 //! matched by their nearest places.
 
+mod shares;
+
 use crate::certify::claim::UpperBound;
 use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
 use crate::control::Control;
 use crate::develop::refold::atlas::{Atlas, OnPanel, PlacedPanel};
-use crate::develop::refold::compare::samples;
-use crate::develop::refold::cut::{cut, Region};
-use crate::develop::refold::drawn::{bounds, inside, FlatPart};
+use crate::develop::refold::drawn::FlatPart;
 use crate::develop::refold::leaf::{Leaf, Refolded};
 use crate::geom::placement::Placement;
 use crate::geom::Vec2;
 use crate::spline::knots::Knots;
-use crate::torse::ribbon::pose::{Pose, Rates};
+use crate::spline::surface::Surface;
+use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::{Ribbon, Span};
+use nalgebra::Matrix2;
 use rayon::prelude::*;
-use std::ops::Range;
+use shares::{shares, Share, ON_RULING};
 
 /// Turn (rad) over a span that is judged at most.
 const FINE: f64 = 4e-3;
@@ -32,9 +34,6 @@ const FINER: f64 = 4.0;
 const BEYOND: f64 = 1e-3;
 /// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
 const SHORT: f64 = 1e-3;
-
-/// Share of the size within which corners of a panel are on the ruling in which it ends.
-const ON_RULING: f64 = 1e-5;
 
 /// Why a part bent back was not compared with its panels, or no bound was shown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -97,12 +96,11 @@ pub(crate) fn distance_bounds(
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.panels.len()];
     let assessed = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas), NEAR * part.size());
-        let all = stretches(part, leaf, &ribbon, atlas);
-        let one = |(range, panel): (Range<usize>, usize)| {
+        let one = |share: Share| {
             let going = if control.stopped() { Err(NotRefolded::Stopped) } else { Ok(()) };
-            (panel, going.and_then(|()| assessed(part, (leaf, &ribbon), (range, control), (atlas, panel))))
+            (share.panel, going.and_then(|()| assessed(part, share, (atlas, control))))
         };
-        all.into_par_iter().map(one).collect()
+        shares(part, leaf, &ribbon, atlas).into_par_iter().map(one).collect()
     };
     let leaves: Vec<&Leaf> = refolded.leaves.iter().filter(|l| !l.is_taken_up()).collect();
     for (panel, one) in leaves.into_par_iter().map(assessed).collect::<Vec<_>>().into_iter().flatten() {
@@ -157,26 +155,11 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64], near: f64) -> Ribbon 
         // Corners of neighbours are one place.
         shares.dedup_by(|b, a| (*b - *a) * n as f64 <= APART);
         spans.extend(shares.windows(2).map(|w| {
-            let part = part_of(s, [w[0], w[1]]);
+            let part = s.part([w[0], w[1]]);
             Span { space: moved(&part.space), ..part }
         }));
     }
     Ribbon { spans }
-}
-
-/// A span from one share of it to another.
-fn part_of(s: &Span, [from, to]: [f64; 2]) -> Span {
-    let part = |r: &Rates| {
-        let x = to - from;
-        Rates { turn: r.turn * x, spin: r.spin * x, along: r.along * x, across: r.across * x }
-    };
-    Span {
-        flat: s.flat.moved(&s.in_plane, from),
-        space: s.space.moved(&s.in_space, from),
-        in_plane: part(&s.in_plane),
-        in_space: part(&s.in_space),
-        reach: s.reach,
-    }
 }
 
 /// Share of a part of a span within which places are one.
@@ -315,72 +298,30 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Pi
     Some(out)
 }
 
-/// Ranges of spans with the panel that each belongs to.
-fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<(Range<usize>, usize)> {
-    let n = ribbon.spans.len();
-    let of = |q: &Vec2| atlas.from_flat(q).map(|on| on.panel);
-    let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
-    if atlas.panels.len() == 1 {
-        return vec![(0..n, 0)];
-    }
-    if !turns || n == 1 {
-        // A plane: what most of it lies on.
-        let mut votes = vec![0usize; atlas.panels.len()];
-        let own = samples(&FlatPart { loops: leaf.loops.clone(), ..part.clone() });
-        for q in own.iter().filter(|q| inside(&leaf.loops, q)) {
-            of(q).into_iter().for_each(|k| votes[k] += 1);
-        }
-        let best = (0..votes.len()).max_by_key(|k| votes[*k]).unwrap_or(0);
-        return vec![(0..n, best)];
-    }
-    let mut out: Vec<(Range<usize>, usize)> = Vec::new();
-    // Where frames only slide along a ruling there is no sheet.
-    let wide = |s: &Span| s.in_plane.across != 0.0 || s.in_plane.spin != 0.0;
-    for (k, s) in ribbon.spans.iter().enumerate().filter(|(_, s)| wide(s)) {
-        let middle = s.flat.moved(&s.in_plane, 0.5).point(0.5 * (s.reach[0] + s.reach[1]), 0.0).xy();
-        let panel = of(&middle).or(out.last().map(|o| o.1)).unwrap_or(0);
-        match out.last_mut() {
-            Some(last) if last.1 == panel => last.0.end = k + 1,
-            _ => out.push((k..k + 1, panel)),
-        }
-    }
-    out
-}
+/// Share of the size of a part by which its outline may go beyond the rulings that its bend lines tell of: what drawings may be off.
+const REACHES: f64 = 1e-3;
 
-/// The part of a region that lies on a range of spans: cut off along its first and last ruling, between corners of the panel.
-fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, panel): (&Atlas, usize)) -> Vec<Vec<Vec2>> {
-    let (lo, hi) = bounds(&leaf.loops);
-    let near = ON_RULING * (hi - lo).norm();
-    let corners = atlas.panels[panel].panel.corners.iter().map(|uv| atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 }));
-    let corners: Vec<Vec2> = corners.collect();
-    let mut chords = Vec::new();
-    let ends = [(range.start, range.start > 0), (range.end, range.end < ribbon.spans.len())];
-    // Where the chords of each end are.
-    let mut own = [0..0, 0..0];
-    for (k, (t, _)) in ends.into_iter().enumerate().filter(|(_, e)| e.1) {
-        let pose = ribbon.flat(t as f64);
-        let off = |q: &Vec2| (q - pose.at.xy()).dot(&pose.across().xy()).abs();
-        let mut ways: Vec<f64> =
-            corners.iter().filter(|q| off(q) <= near).map(|q| (q - pose.at.xy()).dot(&pose.ruling().xy())).collect();
-        ways.sort_by(f64::total_cmp);
-        ways.dedup_by(|b, a| *b - *a <= near);
-        let first = chords.len();
-        // To the bit a corner of the region, where one is: several chords may end in it.
-        let at = |v: f64| {
-            let q = pose.point(v, 0.0).xy();
-            let corner = leaf.loops.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
-            corner.filter(|c| (*c - q).norm() <= near).copied().unwrap_or(q)
-        };
-        let within = |w: &&[f64]| inside(&leaf.loops, &at(0.5 * (w[0] + w[1])));
-        chords.extend(ways.windows(2).filter(within).map(|w| [at(w[0]), at(w[1])]));
-        own[k] = first..chords.len();
+/// The rulings with what goes on beyond the first and last one as they do, as far as polygons reach, at most so far (mm).
+fn reaching(ribbon: Ribbon, loops: &[Vec<Vec2>], most: f64) -> Ribbon {
+    let end = ribbon.end();
+    let mut beyond = [0.0_f64; 2];
+    for spot in loops.iter().flatten().filter_map(|q| ribbon.locate(q)) {
+        let rates = &ribbon.span(spot.t).0.in_plane;
+        let over = [-spot.t, spot.t - end];
+        for (all, x) in beyond.iter_mut().zip(over) {
+            if x > BEYOND && x * (rates.across + spot.v * rates.spin).abs() <= most {
+                *all = all.max(x);
+            }
+        }
     }
-    if chords.is_empty() {
-        return leaf.loops.clone();
+    let mut spans = ribbon.spans;
+    if let Some(first) = spans.first().copied().filter(|_| beyond[0] > 0.0) {
+        spans.insert(0, first.part([-beyond[0], 0.0]));
     }
-    // Rulings follow each other to their left.
-    let belongs = |r: &Region| r.chords.iter().any(|(c, left)| own[usize::from(!left)].contains(c));
-    cut(&leaf.loops, &chords).into_iter().filter(belongs).flat_map(|r| r.loops).collect()
+    if let Some(last) = spans.last().copied().filter(|_| beyond[1] > 0.0) {
+        spans.push(last.part([1.0, 1.0 + beyond[1]]));
+    }
+    Ribbon { spans }
 }
 
 /// Shares of a span that are one place.
@@ -401,7 +342,7 @@ fn ended(ribbon: Ribbon, lines: &mut [Vec<Piece>]) -> Ribbon {
     };
     let cuts: Vec<Option<[f64; 2]>> = (first..).zip(&spans).map(|(k, s)| cut(k, s.in_space.turn)).collect();
     for (span, cut) in spans.iter_mut().zip(&cuts) {
-        *span = cut.map_or(*span, |cut| part_of(span, cut));
+        *span = cut.map_or(*span, |cut| span.part(cut));
     }
     for p in lines.iter_mut().flatten() {
         p.span -= first;
@@ -412,40 +353,84 @@ fn ended(ribbon: Ribbon, lines: &mut [Vec<Piece>]) -> Ribbon {
     Ribbon { spans }
 }
 
+/// Share of the size by which the places of a span on its panel may be uneven.
+const UNEVEN: f64 = 5e-6;
+/// Parts of a span at most where they are.
+const MOST_PARTS: f64 = 16.0;
+
+/// Rulings with what is on them of the part, and where they are on their panel.
+struct Seated {
+    ribbon: Ribbon,
+    lines: Vec<Vec<Piece>>,
+    places: Vec<Along>,
+}
+
+impl Seated {
+    fn new(
+        ribbon: Ribbon,
+        (loops, size): (&[Vec<Vec2>], f64),
+        (atlas, panel): (&Atlas, usize),
+    ) -> Result<Self, NotRefolded> {
+        let tip = Tip::of(size, &ribbon, atlas, panel);
+        let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
+        let mut lines = lines.ok_or(NotRefolded::Beyond)?;
+        let ribbon = ended(ribbon, &mut lines);
+        let places = places(&ribbon.spans, &lines, (atlas, panel), tip.as_ref());
+        Ok(Self { ribbon, lines, places })
+    }
+
+    /// Into how many parts spans are to be cut so that what is between their first and last ruling lies on the panel as evenly as on
+    /// them, within `near` (mm): patches may have parameters that are not.
+    fn parts(&self, surface: &Surface, near: f64) -> Vec<usize> {
+        let mut reach = vec![NOTHING; self.ribbon.spans.len()];
+        for p in self.lines.iter().flatten() {
+            let own = &mut reach[p.span];
+            p.ends.iter().for_each(|e| *own = [own[0].min(e[1]), own[1].max(e[1])]);
+        }
+        let count = |(k, span): (usize, &Span)| {
+            let off = |share: f64, v: f64| {
+                let [a, b] = [&self.places[k], &self.places[k + 1]];
+                let at = |d: usize| (1.0 - share) * (a.at[d] + a.slope[d] * v) + share * (b.at[d] + b.slope[d] * v);
+                surface.point(at(0), at(1)) - span.space.moved(&span.in_space, share).point(v, 0.0)
+            };
+            let sag = |v: f64| (off(0.5, v) - (off(0.0, v) + off(1.0, v)) * 0.5).norm();
+            let worst = reach[k].into_iter().filter(|v| v.is_finite()).map(sag).fold(0.0, f64::max);
+            (worst / near).sqrt().ceil().clamp(1.0, MOST_PARTS) as usize
+        };
+        self.ribbon.spans.par_iter().enumerate().map(count).collect()
+    }
+}
+
 /// Judges the spans of one panel.
 fn assessed(
     part: &FlatPart,
-    (leaf, ribbon): (&Leaf, &Ribbon),
-    (range, control): (Range<usize>, &Control),
-    (atlas, panel): (&Atlas, usize),
+    Share { ribbon, panel, loops }: Share,
+    (atlas, control): (&Atlas, &Control),
 ) -> Result<UpperBound, NotRefolded> {
-    let loops = between(leaf, ribbon, &range, (atlas, panel));
-    let ribbon = Ribbon { spans: ribbon.spans[range].to_vec() };
-    let tip = Tip::of(part.size(), &ribbon, atlas, panel);
-    let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
-    let mut lines = lines.ok_or(NotRefolded::Beyond)?;
-    let ribbon = ended(ribbon, &mut lines);
+    let size = part.size();
+    let mut seated = Seated::new(reaching(ribbon, &loops, REACHES * size), (&loops, size), (atlas, panel))?;
+    let parts = seated.parts(&atlas.panels[panel].panel.surface, UNEVEN * size);
+    if parts.iter().any(|n| *n > 1) && !control.stopped() {
+        seated = Seated::new(seated.ribbon.parted(&parts), (&loops, size), (atlas, panel))?;
+    }
+    let Seated { ribbon, lines, places } = seated;
     let spans = &ribbon.spans[..];
-    let places = places(spans, &lines, (atlas, panel), tip.as_ref());
     let panel = &atlas.panels[panel].panel;
-    // Borders are compared where both directions of the patch are about as long as in space.
-    let ((u0, u1), (v0, v1)) = panel.surface.domain();
-    let jet = panel.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
-    let scale = [jet.du.norm(), jet.dv.norm()];
-    let borders: Vec<Vec<Vec2>> =
-        (panel.loops.iter()).map(|l| l.iter().map(|p| Vec2::new(p[0] * scale[0], p[1] * scale[1])).collect()).collect();
     let on_patch = |p: &Piece, [s, v]: [f64; 2]| {
         let at = |k: usize, d: usize| places[p.span + k].at[d] + places[p.span + k].slope[d] * v;
-        let of = |d: usize| ((1.0 - s) * at(0, d) + s * at(1, d)) * scale[d];
+        let of = |d: usize| (1.0 - s) * at(0, d) + s * at(1, d);
         Vec2::new(of(0), of(1))
     };
+    let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
+    let borders: Vec<Vec<Vec2>> = panel.loops.iter().map(polygon).collect();
+    let metric = Metric::of(&panel.surface);
     let mut matched = Vec::new();
     for line in lines {
         let first = on_patch(&line[0], line[0].ends[0]);
-        let border = (0..borders.len())
-            .min_by(|a, b| nearest(&borders[*a], &first).1.total_cmp(&nearest(&borders[*b], &first).1))
-            .ok_or(Unshown::Lines)?;
-        matched.push((border, beside(line, &borders[border], &on_patch)));
+        let here = metric.at(&first);
+        let off = |k: usize| nearest(&borders[k], &first, &here).1;
+        let border = (0..borders.len()).min_by(|a, b| off(*a).total_cmp(&off(*b))).ok_or(Unshown::Lines)?;
+        matched.push((border, beside(line, &borders[border], &metric, &on_patch)));
     }
     if control.stopped() {
         return Err(NotRefolded::Stopped);
@@ -457,21 +442,57 @@ fn assessed(
 /// Share of a piece within which a corner of the border is at its end.
 const AT_END: f64 = 1e-6;
 
+/// Lengths on a patch.
+struct Metric<'a> {
+    surface: &'a Surface,
+    /// In the middle of the patch.
+    even: Matrix2<f64>,
+}
+
+/// Share of the lengths in the middle of a patch that count everywhere: at a tip all rulings are one point.
+const EVEN: f64 = 1e-6;
+
+impl<'a> Metric<'a> {
+    fn of(surface: &'a Surface) -> Self {
+        let ((u0, u1), (v0, v1)) = surface.domain();
+        Self { surface, even: first_form(surface, &Vec2::new(0.5 * (u0 + u1), 0.5 * (v0 + v1))) }
+    }
+
+    /// The square of a length about a place, as a form in the parameters.
+    fn at(&self, uv: &Vec2) -> Matrix2<f64> {
+        first_form(self.surface, uv) + self.even * EVEN
+    }
+}
+
+/// Scalar products of both derivatives of a patch.
+fn first_form(surface: &Surface, uv: &Vec2) -> Matrix2<f64> {
+    let jet = surface.jet(uv.x, uv.y);
+    let mixed = jet.du.dot(&jet.dv);
+    Matrix2::new(jet.du.norm_squared(), mixed, mixed, jet.dv.norm_squared())
+}
+
 /// A closed line with its places on the border of its panel, a polygon: cut where the border turns, because sides of the border
 /// are as long as they are, and pieces that went around a corner would be compared with the wrong side of it.
-fn beside(line: Vec<Piece>, border: &[Vec2], on_patch: &impl Fn(&Piece, [f64; 2]) -> Vec2) -> Vec<Piece> {
+fn beside(
+    line: Vec<Piece>,
+    border: &[Vec2],
+    metric: &Metric,
+    on_patch: &impl Fn(&Piece, [f64; 2]) -> Vec2,
+) -> Vec<Piece> {
     let (n, corners) = (line.len(), border.len() as f64);
-    let mut at = vec![nearest(border, &on_patch(&line[0], line[0].ends[0])).0];
+    let place = |q: Vec2| nearest(border, &q, &metric.at(&q)).0;
+    let mut at = vec![place(on_patch(&line[0], line[0].ends[0]))];
     for p in &line {
         let last = at[at.len() - 1];
         // The shorter way.
-        let step = (nearest(border, &on_patch(p, p.ends[1])).0 - last).rem_euclid(corners);
+        let step = (place(on_patch(p, p.ends[1])) - last).rem_euclid(corners);
         at.push(last + if step > 0.5 * corners { step - corners } else { step });
     }
     let share = |p: &Piece, corner: f64| {
         let [a, b] = p.ends.map(|e| on_patch(p, e));
         let x = border[(corner as i64).rem_euclid(border.len() as i64) as usize];
-        (b - a).dot(&(x - a)) / (b - a).norm_squared()
+        let way = metric.at(&a) * (b - a);
+        way.dot(&(x - a)) / way.dot(&(b - a))
     };
     // Corners between the places of both ends, in the direction of the piece.
     let between = |a: f64, b: f64| {
@@ -532,19 +553,22 @@ fn beside(line: Vec<Piece>, border: &[Vec2], on_patch: &impl Fn(&Piece, [f64; 2]
     out
 }
 
-/// Place on a closed polygon nearest to a point (number of a corner and share of the way to the next), and its distance.
-fn nearest(polygon: &[Vec2], q: &Vec2) -> (f64, f64) {
+/// Place on a closed polygon nearest to a point (number of a corner and share of the way to the next), and its distance, with
+/// lengths as they are about the point.
+fn nearest(polygon: &[Vec2], q: &Vec2, metric: &Matrix2<f64>) -> (f64, f64) {
     let mut best = (0.0, f64::INFINITY);
     for (k, p) in polygon.iter().enumerate() {
         let d = polygon[(k + 1) % polygon.len()] - p;
-        let share = d.dot(&(q - p)) / d.norm_squared();
+        let way = metric * d;
+        let share = way.dot(&(q - p)) / way.dot(&d);
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-        let off = (q - p - d * share).norm();
+        let away = q - p - d * share;
+        let off = (metric * away).dot(&away);
         if off < best.1 {
             best = (k as f64 + share, off);
         }
     }
-    best
+    (best.0, best.1.max(0.0).sqrt())
 }
 
 /// Inner parameters at which a patch is less than C¹, and how near to one is on it.

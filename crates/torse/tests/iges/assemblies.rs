@@ -188,6 +188,10 @@ fn curves_that_nothing_is_made_of_stand_beside_the_faces() {
     f.add(Entry { status: "01000000", ..entry(110) }, "1.,1.,0.,3.,1.,0.");
     f.add(Entry { status: "00000100", ..entry(110) }, "1.,1.,0.,3.,1.,0.");
     f.add(entry(116), "2.,2.,0.,0");
+    f.add(Entry { form: 3, ..entry(406) }, "2,0,7HEngrave");
+    let note = "1,5,9.,2.5,1,1.5707963,1.5707963,0,0,3.,1.,0.,5HGRAIN";
+    f.add(Entry { status: "00000100", ..entry(212) }, note);
+    f.add(Entry { status: "00000100", ..entry(214) }, "1,1.,1.,0.,1.,1.,2.,2.");
     let inside = f.add(Entry { status: "00010000", ..entry(110) }, "0.,0.,0.,1.,0.,0.");
     let part = f.add(entry(308), &format!("0,4Hpart,1,{inside}"));
     f.add(entry(408), &format!("{part},10.,0.,0.,2."));
@@ -202,8 +206,15 @@ fn curves_that_nothing_is_made_of_stand_beside_the_faces() {
                 [end[0], end[1], end[2]]
             }
             FreeShape::Point(x) => [x.x, x.y, x.z],
+            FreeShape::Text { at, .. } => [at.x, at.y, at.z],
         })
         .collect();
-    assert_eq!(ends.len(), 3, "{:?}", model.curves);
+    assert_eq!(ends.len(), 4, "{:?}", model.curves);
+    let text = model.curves.iter().find(|c| c.name == "GRAIN").expect("the text of the note");
+    let FreeShape::Text { at, along, up } = text.shape else { panic!("{text:?}") };
+    assert!((at.x, at.y) == (3.0, 1.0) && along.y > 0.999 && (up.x + 2.5).abs() < 1e-5, "{text:?}");
+    assert!(model.curves.iter().all(|c| c.layer == "Engrave"), "{:?}", model.curves);
+    let told: Vec<String> = model.notes.iter().map(|n| format!("{n:?}")).collect();
+    assert!(told.iter().any(|n| n.contains("1 leader line")), "{told:?}");
     assert!([[12.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 2.0, 0.0]].iter().all(|e| ends.contains(e)), "{ends:?}");
 }

@@ -68,6 +68,11 @@ pub enum UnrollNote {
         /// What they are called.
         curves: Vec<String>,
     },
+    /// Curves and points that lie on faces which panels cover: they are drawn at the nearest places of the panels.
+    OnPanels {
+        /// What they are called.
+        curves: Vec<String>,
+    },
     /// Curves that run along outlines of parts, which are cut anyway.
     AlongEdges {
         /// What they are called.

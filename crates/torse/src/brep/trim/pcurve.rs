@@ -43,6 +43,8 @@ const DEEPEST: u32 = 14;
 const VAIN: usize = 256;
 /// … and so many halvings are enough: finer chords would follow the scatter, and cost minutes.
 const ENOUGH: u32 = 6;
+/// Intervals between samples below which a chord over them is looked at between them too.
+const FEW: usize = 4;
 
 /// One piece of an edge with samples in the unwrapped natural parameter plane.
 #[derive(Clone, Debug)]
@@ -543,6 +545,15 @@ impl Walk<'_> {
             worst = worst.max(d);
             seen = seen.max(total);
         }
+        // A chord across an inflection is farthest away between the samples.
+        let between = if j - i < FEW && worst <= self.tolerance { i..j } else { i..i };
+        for k in between {
+            let t = 0.5 * (s.ts[k] + s.ts[k + 1]);
+            let foot = self.foot(t, [0, 1].map(|d| 0.5 * (s.qs[k][d] + s.qs[k + 1][d])));
+            let (d, total) = self.deviation_of(t, foot, a, b);
+            worst = worst.max(d);
+            seen = seen.max(total);
+        }
         if worst <= self.tolerance {
             self.deviation = self.deviation.max(seen);
             self.points.push(b);
@@ -564,13 +575,7 @@ impl Walk<'_> {
             let f = 0.25 * k;
             let t = p.0 + f * (q.0 - p.0);
             let guess = [0, 1].map(|k| p.1[k] + f * (q.1[k] - p.1[k]));
-            let foot = match &self.pcurve.trace {
-                Some(trace) => {
-                    let q = trace.at(t);
-                    [0, 1].map(|k| lifted(q[k], guess[k], self.periods[k]))
-                }
-                None => foot_near(self.support, &self.pcurve.arc.curve.point(t), Some(guess), &self.periods),
-            };
+            let foot = self.foot(t, guess);
             let (d, total) = self.deviation_of(t, foot, a, b);
             worst = worst.max(d);
             seen = seen.max(total);
@@ -591,19 +596,31 @@ impl Walk<'_> {
         self.between(middle, q, depth + 1)
     }
 
-    /// Distance in space from the foot `q` to the chord's image, and from the curve's own point to it; both to first
-    /// order at the foot.
+    /// The foot of the curve's point at a parameter, near a guess.
+    fn foot(&self, t: f64, guess: [f64; 2]) -> [f64; 2] {
+        match &self.pcurve.trace {
+            Some(trace) => {
+                let q = trace.at(t);
+                [0, 1].map(|k| lifted(q[k], guess[k], self.periods[k]))
+            }
+            None => foot_near(self.support, &self.pcurve.arc.curve.point(t), Some(guess), &self.periods),
+        }
+    }
+
+    /// Distance in space from the foot `q` to the chord's image, and from it to the curve's own point, to first order at the foot,
+    /// which need not be quite below that point: beside a seam searches end.
     fn deviation_of(&self, t: f64, q: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, f64) {
         let j = self.support.jet(q);
         let m = self.forward(q);
         let (du, dv) = (j.du * self.map[0].inverse(m[0]).1, j.dv * self.map[1].inverse(m[1]).1);
         let chord = du * (b[0] - a[0]) + dv * (b[1] - a[1]);
-        let offset = du * (m[0] - a[0]) + dv * (m[1] - a[1]);
         let along = chord.norm_squared();
-        let s = if along > 0.0 { (offset.dot(&chord) / along).clamp(0.0, 1.0) } else { 0.0 };
-        let off = offset - chord * s;
-        let total = (self.pcurve.arc.curve.point(t) - j.p + off).norm();
-        (off.norm(), total)
+        let away = |way: Vec3| {
+            let s = if along > 0.0 { (way.dot(&chord) / along).clamp(0.0, 1.0) } else { 0.0 };
+            (way - chord * s).norm()
+        };
+        let offset = du * (m[0] - a[0]) + dv * (m[1] - a[1]);
+        (away(offset), away(offset + self.pcurve.arc.curve.point(t) - j.p))
     }
 }
 
@@ -615,6 +632,23 @@ mod tests {
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
     use std::f64::consts::FRAC_PI_4;
+
+    /// What a search beside a seam leaves along the chord is no distance of the curve from it.
+    #[test]
+    fn a_foot_beside_its_point_is_no_distance() {
+        let support = SupportSurface::Plane(Frame::world());
+        let line = SpaceCurve::Line { origin: Vec3::zeros(), direction: Vec3::x() };
+        let arc = Arc { curve: line, from: 0.0, to: 10.0 };
+        let ground = Ground::new(&support, 10.0, 0.0);
+        let pcurve = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
+        let map = [ParameterMap::Same, ParameterMap::Same];
+        let (points, at) = (Vec::new(), Vec::new());
+        let (support, pcurve, map) = (&support, &pcurve, &map);
+        let walk =
+            Walk { support, pcurve, map, periods: [None; 2], tolerance: 1.0, points, at, deviation: 0.0, vain: 0 };
+        let total = |height: f64| walk.deviation_of(5.0, [3.75, height], [0.0, height], [10.0, height]).1;
+        assert!(total(0.0) < 1e-12 && (total(2.0) - 2.0).abs() < 1e-12, "{} {}", total(0.0), total(2.0));
+    }
 
     /// A cylinder with one control point far away: feet on it scatter by more than chords may be off.
     #[test]

@@ -39,6 +39,8 @@ pub struct PanelPatch {
 enum Map {
     Developed(Box<Development>),
     Charted(Box<Chart>),
+    /// Not at all: places are told by their parameters.
+    Parameters,
 }
 
 /// A panel with its place in the plane.
@@ -287,6 +289,7 @@ impl PlacedPanel {
         let p = match &self.map {
             Map::Developed(d) => d.map(uv[0], uv[1]),
             Map::Charted(c) => c.flat(&self.panel.surface.point(uv[0], uv[1]), Some(uv)),
+            Map::Parameters => Vec2::new(uv[0], uv[1]),
         };
         self.own.apply(&p)
     }
@@ -461,6 +464,12 @@ impl Atlas {
     /// One panel where its development has laid it.
     pub(crate) fn mapped(panel: PanelPatch, map: Development) -> Self {
         let panels = vec![PlacedPanel::new(panel, Map::Developed(Box::new(map)), Motion::identity())];
+        Self { panels, mirrored: false, motion: Motion::identity(), alignment: 0.0 }
+    }
+
+    /// A face by its parameters, for places in space alone.
+    pub(crate) fn of_parameters(face: &Face) -> Self {
+        let panels = vec![PlacedPanel::new(of_face(face), Map::Parameters, Motion::identity())];
         Self { panels, mirrored: false, motion: Motion::identity(), alignment: 0.0 }
     }
 

@@ -46,7 +46,7 @@ pub(super) fn read(archive: &Archive, uses: &[Occurrence]) -> (Vec<FreeCurve>, V
 fn numbers(shape: &FreeShape) -> usize {
     match shape {
         FreeShape::Curve(pieces) => pieces.iter().map(|c| c.control.len()).sum(),
-        FreeShape::Point(_) => 1,
+        FreeShape::Point(_) | FreeShape::Text { .. } => 1,
     }
 }
 

@@ -111,6 +111,32 @@ fn a_box_is_folded_up_again() {
     }
 }
 
+/// Faces side by side in one plane, with no line between them: each is judged with its own share of the region.
+#[test]
+fn faces_in_one_plane_are_proven_one_by_one() {
+    let cylinder = quarter(Vec3::zeros(), Vec3::z(), 50.0 * Vec3::x(), 30.0);
+    let flange =
+        |from: f64, long: f64| rectangle(Vec3::new(50.0, from - long, 0.0), long * Vec3::y(), 30.0 * Vec3::z());
+    all_within(&back(vec![cylinder, flange(0.0, 20.0), flange(-20.0, 35.0)]), 3, TOLERANCE);
+}
+
+/// A tangent surface, on whose patch rulings and rims are far from square to each other, comes back within what it was drawn to, and
+/// so is proven.
+#[test]
+fn a_tangent_surface_is_proven_within_its_tolerance() {
+    let tolerance = 0.01;
+    // (100 t, 60 t², 40 t³), and so many times its derivative beyond.
+    let powers = [[0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0], [0.0, 0.0, 1.0 / 3.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+    let point = |i: usize, k: f64| {
+        let [t, square, cube] = powers.map(|p| p[i]);
+        Vec3::new(100.0 * (t + k), 60.0 * square + 120.0 * k * t, 40.0 * cube + 120.0 * k * square)
+    };
+    let points: Vec<Vec3> = (0..4).flat_map(|i| [0.5, 4.0].map(|k| point(i, k))).collect();
+    let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+    let face = Face::untrimmed(Surface::new(knots(3), knots(1), &points, None).expect("a surface"));
+    all_within(&back_within(vec![face], tolerance), 1, 1.5 * tolerance);
+}
+
 /// A face that bends both ways has two rows in the bend table, and one family of rulings.
 #[test]
 fn faces_that_bend_both_ways_are_bent_back_as_one() {

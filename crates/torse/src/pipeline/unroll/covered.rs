@@ -1,6 +1,7 @@
 //! Faces that are not developable, covered by panels that are, within a tolerance of their own.
 
 use super::options::{TooRound, UnrollError};
+use super::targets::of_panel;
 use crate::answer::marks::Marks;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;
@@ -8,9 +9,13 @@ use crate::brep::area::total_curvature_estimate;
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::control::Control;
+use crate::develop::carried::Target;
 use crate::develop::unfold::part::SheetPart;
+use crate::develop::view::panels_viewed;
+use crate::geom::Vec2;
+use crate::patchwork::panel::Panel;
 use crate::patchwork::part::Part;
-use crate::patchwork::pattern::{Mark, Pattern};
+use crate::patchwork::pattern::{Mark, MarkLine, Pattern};
 use crate::pipeline::approximate::{of_faces, Options};
 use crate::reason::{FaceReason, Reason};
 use std::f64::consts::TAU;
@@ -19,12 +24,42 @@ use std::f64::consts::TAU;
 /// 1, a whole sphere 2 and a torus 4, and these take minutes.
 const MOST_TURNS: f64 = 1.5;
 
-/// Adds panels for `faces`, each a part of its own, with what is proven of them. Names follow those of `torse approximate`.
+/// A panel that covers a face, as what curves are carried to.
+pub(super) struct Cover {
+    /// The panel, and the face below it; none where it has no map.
+    pub target: Option<Target>,
+    /// Whether its pattern is seen from the other side than it was laid flat from.
+    pub is_turned: bool,
+}
+
+/// Panels as what curves of the model are carried to, in the order of their patterns; they are within `tolerance` (mm) of their faces.
+fn covers(made: &Answer, tolerance: f64) -> Vec<Cover> {
+    let cover = |pattern: &Pattern| {
+        let panel = made.parts.get(pattern.panel).map_or(pattern.panel, |p| p.first);
+        let face = made.patchwork.panels.get(panel).and_then(Panel::face).and_then(|f| made.patchwork.faces.get(f));
+        let target = of_panel(&made.patchwork, panel, pattern, 0.0).zip(face);
+        // A place beside the axis about which patterns are turned over.
+        let probe = MarkLine { points: vec![Vec2::x()], ..MarkLine::default() };
+        let probe = Pattern { panel, curves: vec![probe], ..Pattern::default() };
+        let seen = panels_viewed(&made.patchwork, vec![probe], pattern.view);
+        let is_turned = seen.iter().flat_map(|p| &p.curves).flat_map(|l| &l.points).any(|p| p.x < 0.0);
+        Cover { target: target.map(|(t, face)| t.covering(face, tolerance)), is_turned }
+    };
+    made.patterns.iter().map(cover).collect()
+}
+
+/// Adds panels for `faces`, each a part of its own, with what is proven of them; where there are curves to be carried over, the answer
+/// is what they are carried to. Names follow those of `torse approximate`.
 /// Where that job fails, and where they are curved all around, the faces are left out by name, if there are other parts.
 ///
 /// # Errors
 /// As of that job, where there is nothing else; [`TooRound`].
-pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control: &Control) -> Result<(), UnrollError> {
+pub(super) fn add(
+    answer: &mut Answer,
+    faces: Vec<Face>,
+    (tolerance, curves): (f64, bool),
+    control: &Control,
+) -> Result<Vec<Cover>, UnrollError> {
     let turns = |f: &Face| total_curvature_estimate(f) / TAU;
     let (round, faces): (Vec<_>, Vec<_>) = faces.into_iter().map(|f| (turns(&f), f)).partition(|f| f.0 > MOST_TURNS);
     let faces: Vec<Face> = faces.into_iter().map(|f| f.1).collect();
@@ -35,7 +70,7 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
             Some(first) if answer.parts.is_empty() => return Err(why(first).into()),
             _ => leave(answer, refused),
         }
-        return Ok(());
+        return Ok(Vec::new());
     }
     leave(answer, refused);
     let made = match of_faces(faces.clone(), Vec::new(), &Options::new(tolerance), control) {
@@ -43,9 +78,10 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
         Err(e) if answer.parts.is_empty() => return Err(e.into()),
         Err(e) => {
             leave(answer, faces.iter().map(|f| Skipped::of_face(f, Reason::error(&e))).collect());
-            return Ok(());
+            return Ok(Vec::new());
         }
     };
+    let covers = if curves { covers(&made, tolerance) } else { Vec::new() };
     let (panels, parts) = (answer.patchwork.panels.len(), answer.parts.len());
     // What stands against the whole cover concerns the parts that it marks, and no other one if it marks any.
     let marked = Marks::of(&made).parts;
@@ -75,7 +111,7 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
     answer.skipped.extend(made.skipped);
     answer.notes.extend(made.notes);
     answer.patchwork.append(made.patchwork);
-    Ok(())
+    Ok(covers)
 }
 
 /// Names what is left out.

@@ -5,6 +5,7 @@ mod curves;
 mod given;
 mod joined;
 mod kinds;
+mod marks;
 mod offsets;
 mod skins;
 

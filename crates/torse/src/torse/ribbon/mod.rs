@@ -21,6 +21,23 @@ pub struct Span {
     pub reach: [f64; 2],
 }
 
+impl Span {
+    /// From one share of it to another; beyond 0 and 1 it goes on as it is.
+    pub fn part(&self, [from, to]: [f64; 2]) -> Self {
+        let part = |r: &Rates| {
+            let x = to - from;
+            Rates { turn: r.turn * x, spin: r.spin * x, along: r.along * x, across: r.across * x }
+        };
+        Self {
+            flat: self.flat.moved(&self.in_plane, from),
+            space: self.space.moved(&self.in_space, from),
+            in_plane: part(&self.in_plane),
+            in_space: part(&self.in_space),
+            reach: self.reach,
+        }
+    }
+}
+
 /// A sequence of rulings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ribbon {
@@ -38,6 +55,28 @@ pub struct Spot {
 }
 
 impl Ribbon {
+    /// The stretch between two places, at least as long as a share of a span.
+    pub fn between(&self, [from, to]: [f64; 2]) -> Self {
+        let n = self.spans.len();
+        let first = (from.max(0.0) as usize).min(n.saturating_sub(1));
+        let last = (to.ceil().max(0.0) as usize).clamp(first + 1, n.max(first + 1)) - 1;
+        let ends = |k: usize| {
+            let at = k as f64;
+            [if k == first { from - at } else { 0.0 }, if k == last { to - at } else { 1.0 }]
+        };
+        let spans = (first..=last).filter_map(|k| Some(self.spans.get(k)?.part(ends(k)))).collect();
+        Self { spans }
+    }
+
+    /// The same rulings and more: every span in so many parts.
+    pub fn parted(&self, parts: &[usize]) -> Self {
+        let of = |(s, n): (&Span, &usize)| {
+            let share = |i: usize| i as f64 / *n as f64;
+            (0..*n).map(|i| s.part([share(i), share(i + 1)])).collect::<Vec<_>>()
+        };
+        Self { spans: self.spans.iter().zip(parts).flat_map(of).collect() }
+    }
+
     /// Range of the parameter.
     pub fn end(&self) -> f64 {
         self.spans.len() as f64
@@ -79,5 +118,32 @@ impl Ribbon {
             }
         };
         self.spans.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec2;
+
+    #[test]
+    fn a_stretch_is_where_it_was_on_the_whole() {
+        let rates = Rates { turn: 0.3, spin: 0.1, along: 1.0, across: 5.0 };
+        let mut pose = Pose::flat(Vec2::new(1.0, 2.0), Vec2::x());
+        let mut spans = Vec::new();
+        for _ in 0..4 {
+            spans.push(Span { flat: pose, space: pose, in_plane: rates, in_space: rates, reach: [0.0, 1.0] });
+            pose = pose.moved(&rates, 1.0);
+        }
+        let whole = Ribbon { spans };
+        let parted = whole.parted(&[1, 3, 1, 2]);
+        assert!(parted.spans.len() == 7 && (parted.space(7.0).at - whole.space(4.0).at).norm() < 1e-12);
+        assert!((parted.space(3.0).at - whole.space(1.0 + 2.0 / 3.0).at).norm() < 1e-12);
+        for (from, to) in [(0.5, 3.25), (1.0, 2.0), (2.2, 2.7), (-0.5, 4.5)] {
+            let part = whole.between([from, to]);
+            for (t, s) in [(from, 0.0), (to, part.end())] {
+                assert!((whole.space(t).at - part.space(s).at).norm() < 1e-12, "{from} {to}");
+            }
+        }
     }
 }

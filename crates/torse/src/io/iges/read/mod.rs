@@ -5,6 +5,7 @@
 //! [`crate::brep::trim`]'s. Entities are named by the sequence number of their first line in the directory (`D5`),
 //! always an odd number.
 
+mod annotations;
 mod beside;
 mod boundary;
 mod curves;

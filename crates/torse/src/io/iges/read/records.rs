@@ -31,6 +31,8 @@ pub(super) struct Entry {
     pub kind: u32,
     /// Form of the type.
     pub form: i64,
+    /// Number of its level.
+    pub level: i64,
     /// Entry of the transformation matrix; 0 for none.
     pub matrix: u64,
     /// Whether it is hidden.
@@ -262,6 +264,7 @@ fn entry(first: &Line, second: &Line) -> (Entry, Place) {
         number: first.stated,
         kind: u32::try_from(whole(first, 0)).unwrap_or(0),
         form: whole(second, 4),
+        level: whole(first, 4),
         matrix: whole(first, 6).unsigned_abs(),
         blanked: pair(0) == 1,
         dependent: matches!(pair(2), 1 | 3),

@@ -1,5 +1,6 @@
 //! The way through a file: from entities that no other refers to, down to the uses of faces.
 
+use super::annotations::is_text;
 use super::curves::is_curve;
 use super::faces::is_face;
 use super::placing;
@@ -29,7 +30,7 @@ pub(super) struct Occurrence {
 pub(super) struct Census {
     /// In the order of the directory.
     pub occurrences: Vec<Occurrence>,
-    /// Uses of curves and points that nothing is made of.
+    /// Uses of curves, points and notes that nothing is made of.
     pub beside: Vec<Occurrence>,
     /// Entities that could not be followed.
     pub faults: Vec<Fault>,
@@ -308,7 +309,7 @@ impl Walk<'_> {
             }
             return Ok(());
         }
-        if is_model_curve(e) || (e.kind == POINT && e.purpose == 0) {
+        if is_model_curve(e) || (e.kind == POINT && e.purpose == 0) || is_text(e) {
             // Marks of drawings and helping lines are switched off.
             if !e.blanked && self.first_time(id, here) {
                 let Here { flipped, part, body, .. } = here;

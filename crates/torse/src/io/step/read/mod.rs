@@ -4,6 +4,7 @@
 //! every face that is lost is named with the reason. Knows the format; the geometry of trimming is
 //! [`crate::brep::trim`]'s.
 
+mod annotations;
 mod beside;
 mod curves;
 pub mod edges;
@@ -138,7 +139,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
     let (curves, lost) = beside::read(&records, &census);
-    let notes = notes.into_iter().chain(lost).map(Note::Input).collect();
+    let notes = notes.into_iter().chain(lost).chain(annotations::told(&records)).map(Note::Input).collect();
     Ok(Model { faces, skipped, unit, notes, products: census.products, curves })
 }
 

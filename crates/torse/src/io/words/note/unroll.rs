@@ -65,6 +65,10 @@ pub(super) fn words(note: &UnrollNote) -> String {
             "On the other side of the sheet than that from which its part is seen, and labelled so: {}.",
             listed(curves.iter().cloned())
         ),
+        UnrollNote::OnPanels { curves } => format!(
+            "On faces that panels cover, and drawn at the nearest places of these: {}.",
+            listed(curves.iter().cloned())
+        ),
         UnrollNote::AlongEdges { curves } => {
             format!("Not marked, as they run along outlines, which are cut: {}.", listed(curves.iter().cloned()))
         }

@@ -18,14 +18,14 @@ use crate::spline::curve::Curve;
 use crate::torse::rail::Rail;
 use std::f64::consts::TAU;
 
-const TOLERANCE: f64 = 0.01;
+pub(super) const TOLERANCE: f64 = 0.01;
 
-fn curve(name: &str, pieces: Vec<Curve<4>>) -> FreeCurve {
+pub(super) fn curve(name: &str, pieces: Vec<Curve<4>>) -> FreeCurve {
     let (item, layer) = ("object 1".into(), "scribe".into());
     FreeCurve { item, name: name.into(), layer, shape: FreeShape::Curve(pieces) }
 }
 
-fn polyline(points: &[Vec3]) -> Vec<Curve<4>> {
+pub(super) fn polyline(points: &[Vec3]) -> Vec<Curve<4>> {
     Rail::polyline("line", points).expect("a line").pieces
 }
 
@@ -35,17 +35,17 @@ fn arc(origin: Vec3, [x, y]: [Vec3; 2], radius: f64, turn: f64) -> Curve<4> {
     SpaceCurve::Ellipse { frame, a: radius, b: radius }.to_spline(0.0, turn).expect("an arc").0
 }
 
-fn unrolled(faces: Vec<Face>, curves: Vec<FreeCurve>, surfaces: bool) -> Answer {
+pub(super) fn unrolled(faces: Vec<Face>, curves: Vec<FreeCurve>, surfaces: bool) -> Answer {
     let model = Model { curves, ..model_of(faces) };
     let options = UnrollOptions { surfaces, ..UnrollOptions::new(TOLERANCE) };
     unroll(&model, &options, &Control::default()).expect("an answer")
 }
 
-fn length(line: &[Vec2]) -> f64 {
+pub(super) fn length(line: &[Vec2]) -> f64 {
     line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
 }
 
-fn off(answer: &Answer) -> Vec<OffFaces> {
+pub(super) fn off(answer: &Answer) -> Vec<OffFaces> {
     let found = answer.notes.iter().find_map(|n| match n {
         Note::Unroll(UnrollNote::OffFaces { curves }) => Some(curves.clone()),
         _ => None,
