@@ -43,8 +43,6 @@ const DEEPEST: u32 = 14;
 const VAIN: usize = 256;
 /// … and so many halvings are enough: finer chords would follow the scatter, and cost minutes.
 const ENOUGH: u32 = 6;
-/// Intervals between samples below which a chord over them is looked at between them too.
-const FEW: usize = 4;
 
 /// One piece of an edge with samples in the unwrapped natural parameter plane.
 #[derive(Clone, Debug)]
@@ -542,15 +540,6 @@ impl Walk<'_> {
         let mut seen = 0.0_f64;
         for k in i + 1..j {
             let (d, total) = self.deviation_of(s.ts[k], s.qs[k], a, b);
-            worst = worst.max(d);
-            seen = seen.max(total);
-        }
-        // A chord across an inflection is farthest away between the samples.
-        let between = if j - i < FEW && worst <= self.tolerance { i..j } else { i..i };
-        for k in between {
-            let t = 0.5 * (s.ts[k] + s.ts[k + 1]);
-            let foot = self.foot(t, [0, 1].map(|d| 0.5 * (s.qs[k][d] + s.qs[k + 1][d])));
-            let (d, total) = self.deviation_of(t, foot, a, b);
             worst = worst.max(d);
             seen = seen.max(total);
         }
