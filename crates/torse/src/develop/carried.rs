@@ -3,7 +3,8 @@
 //! *Method*. A curve is followed from point to point, each pulled to the nearest place of the faces within their edges and from
 //! there mapped to the plane by the maps that laid the part flat. Where it leaves the faces, and where its image leaps because
 //! the part is cut open there, its ends are found by halving; between them chords are halved until they keep to a distance.
-//! What lies on a face that a panel covers has its foot on the panel. What lies on the other skin of a sheet has its foot on that which is laid flat, a thickness away along the normal.
+//! What lies on a face that a panel covers has its foot on the panel; what lies on the other skin of a sheet, on that which is laid
+//! flat, a thickness away along the normal.
 //! Everything here is measured, not proven.
 
 use super::refold::atlas::{Atlas, OnPanel};
