@@ -188,12 +188,15 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         match pcurve::trace(&ground, l, &mut label)? {
             Some(chain) => {
                 let chain = match periods {
-                    [Some(p), Some(q)] => chain.without_slits([p, q]),
-                    _ => chain,
+                    [None, None] => chain,
+                    _ => chain.without_slits(periods),
                 };
-                // Nothing but slits: all of the surface.
-                if chain.pcurves.is_empty() && loops.len() == 1 {
-                    return natural(raw, None).map(|f| vec![f]);
+                if chain.pcurves.is_empty() {
+                    // Nothing but slits: all of the surface.
+                    if loops.len() == 1 && periods.iter().all(Option::is_some) {
+                        return natural(raw, None).map(|f| vec![f]);
+                    }
+                    continue;
                 }
                 edges.push(chain.edges.clone());
                 chains.push(chain);

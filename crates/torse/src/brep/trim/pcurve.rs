@@ -95,8 +95,8 @@ impl Chain {
     }
 
     /// Leaves out curves that are run there and back one after the other: they bound nothing. Writers cut surfaces that close
-    /// both ways so.
-    pub fn without_slits(mut self, periods: [f64; 2]) -> Self {
+    /// both ways so, and leave slits in others.
+    pub fn without_slits(mut self, periods: [Option<f64>; 2]) -> Self {
         let mut kept: Vec<Pcurve> = Vec::with_capacity(self.pcurves.len());
         for p in self.pcurves.drain(..) {
             match kept.last() {
@@ -239,12 +239,13 @@ fn turn_at_pole(pcurve: &Pcurve, pole: &Pole, difference: f64, period: f64) -> f
 
 impl Pcurve {
     /// Whether `other` runs along the same way on the surface in the opposite direction.
-    fn is_run_back_by(&self, other: &Self, periods: [f64; 2]) -> bool {
+    fn is_run_back_by(&self, other: &Self, periods: [Option<f64>; 2]) -> bool {
         let middle = |a: &Arc| a.curve.point(0.5 * (a.from + a.to));
         let (p, q) = (self.arc.ends(), other.arc.ends());
         let near = WELD_SHARE * ((middle(&self.arc) - p.0).norm() + (middle(&self.arc) - p.1).norm());
         let apart = |x: Vec3, y: Vec3| (x - y).norm() > near;
-        let far = |a: [f64; 2], b: [f64; 2]| (0..2).any(|k| (a[k] - b[k]).abs() > SAME_LIFT * periods[k]);
+        let lifts = |d: f64, period: Option<f64>| period.is_some_and(|p| d.abs() > SAME_LIFT * p);
+        let far = |a: [f64; 2], b: [f64; 2]| (0..2).any(|k| lifts(a[k] - b[k], periods[k]));
         let (first, last) = (self.qs[0], self.end());
         !apart(p.0, q.1)
             && !apart(p.1, q.0)

@@ -29,8 +29,10 @@ pub(super) struct Base {
 /// Which curves of the file a boundary is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Source {
-    /// Curves in the parameter plane, where their images are splines.
+    /// Curves in the parameter plane, where their images are splines that end where the curves in space do.
     Images,
+    /// Curves in the parameter plane, where their images are splines, wherever the curves in space are.
+    Preferred,
     /// Curves in space.
     Space,
     /// Curves in the parameter plane, of any sort.
@@ -59,7 +61,7 @@ struct Use {
 /// The preference flag that names the parameter plane.
 const PLANE_PREFERRED: i64 = 1;
 /// Ends of both sorts of curves farther apart than this share of the boundary's extent do not belong together.
-const CONTRADICTED: f64 = 0.05;
+pub(super) const CONTRADICTED: f64 = 0.05;
 /// Points nearer than this share of an edge's extent are one: edges run there and back.
 const SAME_POINT: f64 = 1e-6;
 /// A loop of the parameter plane tells its sense where it encloses more than this share of its box.
@@ -115,8 +117,7 @@ impl Geometry<'_> {
         for u in &b.uses {
             match source {
                 Source::Space => edges.extend(self.in_space(b, u, base)?),
-                Source::Images => edges.extend(self.in_plane(b, u, base, true)?),
-                Source::Plane => edges.extend(self.in_plane(b, u, base, false)?),
+                Source::Images | Source::Preferred | Source::Plane => edges.extend(self.in_plane(b, u, base, source)?),
             }
         }
         if edges.is_empty() {
@@ -137,7 +138,7 @@ impl Geometry<'_> {
         let prefers_plane = boundaries.iter().any(|b| b.prefers_plane);
         match (without_space, prefers_plane) {
             (true, _) => &[Source::Images, Source::Plane],
-            (false, true) => &[Source::Images, Source::Space, Source::Plane],
+            (false, true) => &[Source::Images, Source::Space, Source::Preferred, Source::Plane],
             (false, false) => &[Source::Space, Source::Images, Source::Plane],
         }
     }
@@ -180,19 +181,21 @@ impl Geometry<'_> {
         Ok(edges.collect())
     }
 
-    fn in_plane(&self, b: &Boundary, u: &Use, base: &Base, exact: bool) -> Result<Vec<RawEdge>, Fault> {
+    fn in_plane(&self, b: &Boundary, u: &Use, base: &Base, source: Source) -> Result<Vec<RawEdge>, Fault> {
         let missing = || Fault::new(b.id, format!("the boundary D{} has no curve in the parameter plane", b.id));
         let chart = base.patch.chart.filter(|_| !u.plane.is_empty()).ok_or_else(missing)?;
         let path = self.plane_path(u, chart)?;
         let support = &base.patch.support;
-        if exact && self.contradicted(u, &path, base) {
+        if source == Source::Images && self.contradicted(u, &path, base) {
             let what = format!("the curves of D{} in the parameter plane lie far from those in space", b.id);
             return Err(Fault::new(b.id, what));
         }
         path.into_iter()
             .map(|(entity, flat)| match image(entity, &flat, support) {
                 Some(edge) => Ok(edge),
-                None if exact => Err(Fault::new(entity, format!("the image of D{entity} is no spline"))),
+                None if source != Source::Plane => {
+                    Err(Fault::new(entity, format!("the image of D{entity} is no spline")))
+                }
                 None => Ok(traced(entity, flat, support)),
             })
             .collect()

@@ -1,6 +1,6 @@
 //! Faces: trimmed and bounded surfaces, faces of solids, and surfaces that are faces by themselves.
 
-use super::boundary::{Base, Boundary, Source};
+use super::boundary::{Base, Boundary, Source, CONTRADICTED};
 use super::curves::Geometry;
 use super::patch::Patch;
 use super::records::{Entry, Fault};
@@ -116,15 +116,28 @@ impl Geometry<'_> {
         }
         let boundaries = ids.iter().map(|b| self.boundary(*b)).collect::<Result<Vec<_>, _>>()?;
         let mut first: Option<Lost> = None;
+        // Faces whose boundary is far from all curves that were tried; others may do better.
+        let mut poor: Option<(f64, Vec<Face>)> = None;
         for source in self.sources(&boundaries) {
             match self.attempt(e, &base, (&boundaries, given), *source, asked) {
-                Ok(faces) => return Ok(placed(faces)),
+                Ok(faces) => {
+                    let off = missed_share_estimate(&faces);
+                    if off <= CONTRADICTED {
+                        return Ok(placed(faces));
+                    }
+                    if poor.as_ref().is_none_or(|p| off < p.0) {
+                        poor = Some((off, faces));
+                    }
+                }
                 // What is wrong with the curves in space says most.
                 Err(lost) if first.is_none() || *source == Source::Space => first = Some(lost),
                 Err(_) => {}
             }
         }
-        Err(first.unwrap_or_else(|| Fault::new(e.number, "it has no boundary").into()))
+        match poor {
+            Some((_, faces)) => Ok(placed(faces)),
+            None => Err(first.unwrap_or_else(|| Fault::new(e.number, "it has no boundary").into())),
+        }
     }
 
     /// One way to bound a surface.
@@ -213,6 +226,11 @@ impl Geometry<'_> {
             Some(p.text(2).to_string()).filter(|t| !t.is_empty())
         })
     }
+}
+
+/// By how much boundaries miss the curves of the file, against the extent of their surfaces; as seen at samples.
+fn missed_share_estimate(faces: &[Face]) -> f64 {
+    faces.iter().map(|f| f.trim_deviation_estimate / f.surface.bbox().diagonal()).fold(0.0, f64::max)
 }
 
 /// A patch as a spline with sides.
