@@ -337,11 +337,8 @@ mod tests {
             .collect();
         let face = Face::untrimmed(Surface::new(k.clone(), k, &points, None).expect("surface"));
         let asked = |min_bend_radius: Option<f64>| CoverOptions {
-            tolerance: 0.01,
-            max_panels: usize::MAX,
-            facets: false,
             limits: Limits { min_bend_radius, ..Limits::default() },
-            layout: Layout::default(),
+            ..CoverOptions::new(0.01)
         };
         let options = asked(Some(1e3));
         let searched = |control: &Control, options: &CoverOptions| {

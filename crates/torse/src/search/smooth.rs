@@ -2,7 +2,7 @@
 //!
 //! *Method*. Faces are joined as `brep::join` says \[R89\]; the cover's own estimates decide whether they should be.
 
-use super::cover::{is_developable, is_smoothly_developable, least_bend, strip_range};
+use super::cover::{has_one_panel, is_developable, is_smoothly_developable, least_bend, strip_range};
 use crate::brep::face::Face;
 use crate::brep::join::{joined, JoinOptions};
 use crate::control::Control;
@@ -59,7 +59,11 @@ pub(crate) fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64, cont
         // Strips of one strip potential across both, or at least no such strips given up.
         match (strip_range(whole), strip_range(a), strip_range(b)) {
             (Some(whole), Some(a), Some(b)) => whole <= a + b,
-            (Some(_), _, _) | (None, None, None) => true,
+            // Nearly flat and nearly developable faces promise nothing, and are one panel each: then both together must be.
+            (Some(_), _, _) | (None, None, None) => {
+                let one = |f: &Face| has_one_panel(f, tolerance, &control);
+                !(one(a) && one(b)) || one(whole)
+            }
             (None, _, _) => false,
         }
     })

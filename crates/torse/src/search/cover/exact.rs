@@ -247,7 +247,6 @@ mod tests {
     use super::*;
     use crate::brep::face::TrimLoop;
     use crate::geom::Vec3;
-    use crate::search::cover::{Layout, Limits};
     use crate::spline::{knots::Knots, surface::Surface};
 
     /// A square hole that stands on a corner.
@@ -275,13 +274,7 @@ mod tests {
 
     #[test]
     fn regions_are_parted_where_holes_touch() {
-        let options = CoverOptions {
-            tolerance: 0.1,
-            max_panels: usize::MAX,
-            facets: false,
-            limits: Limits::default(),
-            layout: Layout::default(),
-        };
+        let options = CoverOptions::new(0.1);
         // One above the other along a ruling, side by side, and apart: regions at most.
         let cases = [([50.0, 30.0], 2), ([30.0, 50.0], 4), ([20.0, 20.0], 1)];
         for (first, most) in cases {

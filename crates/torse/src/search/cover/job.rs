@@ -22,6 +22,14 @@ pub struct CoverOptions {
     pub layout: Layout,
 }
 
+impl CoverOptions {
+    /// Any number of panels within a tolerance (mm), without limits, laid freely.
+    pub fn new(tolerance: f64) -> Self {
+        let (limits, layout) = (Limits::default(), Layout::default());
+        Self { tolerance, max_panels: usize::MAX, facets: false, limits, layout }
+    }
+}
+
 /// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
 pub(crate) const DISTANCE_SHARE: f64 = 0.985;
 /// Everything that does not change while a face is covered.

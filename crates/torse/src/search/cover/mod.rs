@@ -277,6 +277,13 @@ impl<'a> Job<'a> {
         }
         // Around a flat point of saddles no strip potential is good, even if samples do not tell.
         let stars = if fewest { state.stars(label) } else { Vec::new() };
+        // Parts have no limit as long as there is no cover, and could go on for long: a sweep, which ends, gives them one.
+        if top && best.is_none() && good.is_empty() && stars.is_empty() && marched < straight.len() {
+            if let Some(next) = self.sweep(&state, label, limit, &straight[marched..], f64::INFINITY) {
+                keep(next, &mut best, &mut limit);
+            }
+            marched = straight.len();
+        }
         if limit > 0 && (good.is_empty() || !stars.is_empty()) {
             if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
                 keep(next, &mut best, &mut limit);
@@ -477,6 +484,16 @@ pub(crate) fn strip_range(face: &Face) -> Option<f64> {
     let options = StripPotentialOptions { rounds: 3, ..StripPotentialOptions::default() };
     let best = strip_potential(&state.forms(0, 160), &state.places(0), &options)?;
     (best.merit <= POOR * best.range).then_some(best.merit)
+}
+
+/// Whether one panel is proven to cover a face within a tolerance (mm).
+pub(crate) fn has_one_panel(face: &Face, tolerance: f64, control: &Control) -> bool {
+    let Ok(state) = State::bare(face, tolerance) else { return false };
+    let options = CoverOptions::new(tolerance);
+    match state.partition.distinct_labels()[..] {
+        [label] => Job::new(face, &options, control).single(&state, label, None).accepted.is_some(),
+        _ => false,
+    }
 }
 
 impl Job<'_> {

@@ -8,7 +8,7 @@ pub(crate) mod region;
 mod strips;
 
 use super::build::{build, Built};
-use super::cover::{exactly_covered, CoverOptions, Layout, Limits, State};
+use super::cover::{exactly_covered, CoverOptions, State};
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate};
 use crate::control::Control;
@@ -155,14 +155,7 @@ fn straight(first: usize, face: &Face, options: &RuledOptions, control: &Control
     if options.conoidal {
         return None;
     }
-    let cover = CoverOptions {
-        tolerance: options.tolerance,
-        max_panels: usize::MAX,
-        facets: false,
-        limits: Limits::default(),
-        layout: Layout::default(),
-    };
-    let state = exactly_covered(face, &cover, control)?;
+    let state = exactly_covered(face, &CoverOptions::new(options.tolerance), control)?;
     let Built { patchwork, certificate, .. } = build(first, face, &state, options.tolerance).0;
     let longest = |panel: &Panel| {
         let clipped = ClippedRulings::new(panel);
