@@ -40,7 +40,7 @@ mod error;
 mod options;
 
 /// Time for the proof of flat patterns where a job was asked to stop: these wait until they are proven or not cut.
-const FLAT_GRACE: Duration = Duration::from_millis(500);
+const FLAT_GRACE: Duration = Duration::from_secs(2);
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
 const JOINT_REACH: f64 = 2.0;
 

@@ -30,6 +30,9 @@ const LOOKED_AT: (usize, usize) = (17, 65);
 /// Places on a line nearer to each other than this share of a face's size are one: the line is a pole.
 const POLE: f64 = 1e-9;
 
+/// One panel is tried on faces that promise more strips than this, of the width `4√ε`.
+const MISJUDGED: f64 = 2.0;
+
 /// Share of a limited time after which no more faces are joined: each can be covered for itself.
 const JOIN_SHARE: f64 = 0.15;
 
@@ -56,16 +59,18 @@ pub(crate) fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64, cont
         if is_developable(a, tolerance) || is_developable(b, tolerance) {
             return is_smoothly_developable(whole, tolerance);
         }
+        let ranges = [whole, a, b].map(strip_range);
         // Strips of one strip potential across both, or at least no such strips given up.
-        match (strip_range(whole), strip_range(a), strip_range(b)) {
-            (Some(whole), Some(a), Some(b)) => whole <= a + b,
-            // Nearly flat and nearly developable faces promise nothing, and are one panel each: then both together must be.
-            (Some(_), _, _) | (None, None, None) => {
-                let one = |f: &Face| has_one_panel(f, tolerance, &control);
-                !(one(a) && one(b)) || one(whole)
-            }
-            (None, _, _) => false,
-        }
+        let promising = match ranges {
+            [Some(whole), Some(a), Some(b)] => whole <= a + b,
+            [Some(_), _, _] | [None, None, None] => true,
+            [None, _, _] => false,
+        };
+        // Nearly developable faces promise nothing, or many strips, and are one panel each: then both together must be.
+        let many = MISJUDGED * 4.0 * tolerance.sqrt();
+        let misjudged = ranges[1..].iter().all(|r| r.is_none_or(|r| r > many));
+        let one = |f: &Face| has_one_panel(f, tolerance, &control);
+        promising && !(misjudged && one(a) && one(b) && !one(whole))
     })
 }
 
@@ -116,6 +121,29 @@ mod tests {
         let points: Vec<Vec3> = along.iter().flat_map(|&[x, r]| arc.map(|[y, z]| Vec3::new(x, r * y, r * z))).collect();
         let weights = [1.0, FRAC_1_SQRT_2, 1.0].repeat(3);
         Face::untrimmed(Surface::new(knots(), knots(), &points, Some(&weights)).expect("a surface"))
+    }
+
+    /// A wing of 1270 mm, thinner and turned a little at its tip, above or below.
+    fn wing(above: bool) -> Face {
+        let knots = |p: usize| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+        let side = if above { 1.0 } else { -1.0 };
+        let section = |y: f64, thick: f64, turn: f64| {
+            [[0.0, 0.0], [0.0, thick], [120.0, 0.8 * thick], [254.0, 0.0]].map(|[x, z]| {
+                let (sin, cos) = f64::sin_cos(turn);
+                Vec3::new(x * cos - side * z * sin, y, x * sin + side * z * cos)
+            })
+        };
+        let points = [section(0.0, 16.0, 0.0), section(1270.0, 15.0, 0.004)].concat();
+        Face::untrimmed(Surface::new(knots(1), knots(3), &points, None).expect("a surface"))
+    }
+
+    #[test]
+    fn faces_of_one_panel_each_are_not_joined_to_a_face_of_more() {
+        let tolerance = 1.3;
+        let control = Control::default();
+        assert!([true, false].iter().all(|above| has_one_panel(&wing(*above), tolerance, &control)));
+        let joined = smoothly_joined(vec![wing(true), wing(false)], tolerance, 0.01, &control);
+        assert_eq!(joined.len(), 2);
     }
 
     #[test]

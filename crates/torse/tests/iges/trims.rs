@@ -86,6 +86,20 @@ fn the_preferred_curve_decides_where_both_differ_unless_it_is_far_off() {
     }
 }
 
+/// Curves in space that no side of the surface can be are no reason not to follow those that the file prefers.
+#[test]
+fn preferred_curves_are_followed_where_those_in_space_are_off_the_surface() {
+    let mut f = File::new();
+    let surface = f.rectangle(part(128), 4.0, 3.0);
+    let space = f.polygon(&[[1., 1., 3.], [3., 1., 3.], [3., 2., 3.]], PART);
+    let plane = f.polygon(&[[0.25, 1. / 3., 0.], [0.75, 1. / 3., 0.], [0.75, 2. / 3., 0.]], FLAT);
+    let b = f.add(part(142), &format!("1,{surface},{plane},{space},1"));
+    f.add(entry(144), &format!("{surface},1,0,{b}"));
+    let m = model(&f);
+    has_area(&m.faces[0], 1.0);
+    assert!(trim_proof(&m.faces[0], 1e-9).bound().value() < 1e-6);
+}
+
 #[test]
 fn bounded_surfaces_list_their_curves_with_senses() {
     let mut f = File::new();

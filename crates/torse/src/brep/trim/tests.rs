@@ -158,3 +158,34 @@ fn a_wavy_band_of_a_torus_is_that_band() {
         assert!((found - pierced - removed).abs() < 0.02 * removed, "{lift}: {} is not {removed}", found - pierced);
     }
 }
+
+/// A tube with an edge that leaves its upper circle upwards and comes back: the edge bounds nothing.
+#[test]
+fn a_slit_of_a_cylinder_bounds_nothing() {
+    let support = SupportSurface::Cylinder { frame: Frame::world(), radius: 10.0 };
+    let circle = |z: f64, from: f64, to: f64| {
+        let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+        Arc { curve: SpaceCurve::Ellipse { frame, a: 10.0, b: 10.0 }, from, to }
+    };
+    let slit = |from: f64, to: f64| {
+        let curve = SpaceCurve::Line { origin: Vec3::new(10.0, 0.0, 20.0), direction: Vec3::z() };
+        Arc { curve, from, to }
+    };
+    let edge = |entity: u64, arc: Arc| RawEdge {
+        entity,
+        forward: arc.from < arc.to,
+        path: vec![arc],
+        vertices: None,
+        trace: None,
+    };
+    let low = RawLoop { edges: vec![edge(1, circle(0.0, 0.0, TAU))], outer: false };
+    let edges = vec![edge(2, circle(20.0, TAU, 0.0)), edge(3, slit(0.0, 6.0)), edge(3, slit(6.0, 0.0))];
+    let high = RawLoop { edges, outer: false };
+    let made = faces(&raw(&support, Region::Loops(vec![low, high])), None).expect("a tube");
+    let wanted = TAU * 10.0 * 20.0;
+    let found: f64 = made.iter().map(area_estimate).sum();
+    assert!((found - wanted).abs() < 1e-3 * wanted, "{found} is not {wanted}");
+    let boundary = made[0].boundary.as_ref().expect("edges of the file");
+    let entities: Vec<u64> = boundary.loops.iter().flatten().map(|e| e.entity).collect();
+    assert_eq!(entities, [1, 2]);
+}

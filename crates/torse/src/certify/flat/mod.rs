@@ -204,12 +204,17 @@ fn proven(
     let found: Vec<(FlatCertificate, Option<Flat>)> =
         patterns.par_iter().map(|p| one(patchwork, p, tolerance, control)).collect();
     let (mut out, flats): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    // Partners of marks are unknown where a proof was stopped.
+    let unmatched = match out.iter().any(|c| c.faults.contains(&FlatFault::Stopped)) {
+        true => FlatFault::Stopped,
+        false => FlatFault::Mark,
+    };
     for (k, certificate) in out.iter_mut().enumerate() {
         let mut missing = std::mem::take(&mut certificate.faults);
         if let Some(flat) = &flats[k] {
             match marks(flat, &flats) {
                 Some(bound) => certificate.mark_bound = bound,
-                None => missing.push(FlatFault::Mark),
+                None => missing.push(unmatched),
             }
             certificate.gap_bound = 0.0;
             certificate.change_bound = flat.rails.length_change(flat.pattern.length);
