@@ -24,11 +24,14 @@ use super::claim::UpperBound;
 use super::simple::polygons_are_simple;
 use super::tensor::{about, Jet2, Tensor};
 use super::vector::{add, length_bound, scale, sub, V3};
+use crate::control::Control;
 use crate::geom::{Vec2, Vec3};
 use crate::num::interval::Interval;
 use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::Span;
+use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Parameters of the patch along a ruling: `at + slope v` at the way v.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +85,9 @@ pub enum Unshown {
     /// Nothing finite.
     #[error("its panel has no bounded derivatives")]
     Unbounded,
+    /// The job was asked to stop.
+    #[error("the job was stopped before it was done")]
+    Stopped,
 }
 
 /// Share of the size that rounding may move what plain arithmetic computes here from spans: a thousand times what some
@@ -96,22 +102,20 @@ const GAIN: f64 = 0.95;
 /// Places on a border that are one, in corners.
 const ONE_PLACE: f64 = 1e-6;
 
-/// Bound (mm) of the distance between a stretch bent back and its panel.
-pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
+/// Bound (mm) of the distance between a stretch bent back and its panel; the same whatever the number of threads.
+pub(crate) fn distance(stretch: &Stretch, control: &Control) -> Result<UpperBound, Unshown> {
     let judge = Judge::new(stretch)?;
     judge.check_lines()?;
-    let mut sign = 0;
-    let mut bent = vec![0.0_f64; stretch.spans.len()];
-    for k in 0..stretch.spans.len() {
-        let Some(reach) = judge.reach[k] else { continue };
-        let here = judge.orientation(k, reach).filter(|s| sign == 0 || *s == sign).ok_or(Unshown::Folds)?;
-        sign = here;
-        bent[k] = judge.span(k, reach, 1);
-    }
+    let mut bent = judge.spans(control)?;
+    // Bounds over parts: pieces on both sides of a span ask for the same ones.
+    let mut known: HashMap<(usize, usize), f64> = HashMap::new();
+    let mut in_parts =
+        |k: usize, reach: [f64; 2], n: usize| *known.entry((k, n)).or_insert_with(|| judge.span(k, reach, n));
     let mut worst = 0.0_f64;
     for k in falling(&bent) {
         let Some(reach) = judge.reach[k].filter(|_| GAIN * bent[k] > worst) else { break };
-        bent[k] = refined(bent[k], worst, &|n| judge.span(k, reach, n));
+        going(control)?;
+        bent[k] = refined(bent[k], worst, &mut |n| in_parts(k, reach, n));
         worst = bent[k].max(worst);
     }
     worst = bent.iter().copied().fold(worst, worse);
@@ -119,12 +123,12 @@ pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
     let of = |(border, piece): (usize, &Piece), bent: f64, n: usize| {
         sum(&[bent, judge.to_border(piece, &stretch.borders[border], n * n), judge.to_drawing(piece)])
     };
-    let mut whole: Vec<f64> = pieces.iter().map(|p| of(*p, bent[p.1.span], 1)).collect();
+    let mut whole: Vec<f64> = pieces.par_iter().map(|p| of(*p, bent[p.1.span], 1)).collect();
     for k in falling(&whole) {
         let (here, span) = (pieces[k], pieces[k].1.span);
         let Some(reach) = judge.reach[span].filter(|_| GAIN * whole[k] > worst) else { break };
-        let fine = |n: usize| of(here, judge.span(span, reach, n).min(bent[span]), n);
-        whole[k] = refined(whole[k], worst, &fine);
+        going(control)?;
+        whole[k] = refined(whole[k], worst, &mut |n| of(here, in_parts(span, reach, n).min(bent[span]), n));
         worst = whole[k].max(worst);
     }
     worst = whole.iter().copied().fold(worst, worse);
@@ -134,6 +138,15 @@ pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
         Ok(bound)
     } else {
         Err(Unshown::Unbounded)
+    }
+}
+
+/// Whether the job goes on.
+fn going(control: &Control) -> Result<(), Unshown> {
+    if control.stopped() {
+        Err(Unshown::Stopped)
+    } else {
+        Ok(())
     }
 }
 
@@ -151,7 +164,7 @@ fn falling(of: &[f64]) -> Vec<usize> {
 
 /// A bound over ever more parts, while that gains something and more than `enough`: the greatest is asked for, and what is below it
 /// need not be known better.
-fn refined(coarse: f64, enough: f64, over: &dyn Fn(usize) -> f64) -> f64 {
+fn refined(coarse: f64, enough: f64, over: &mut dyn FnMut(usize) -> f64) -> f64 {
     let (mut best, mut parts) = (coarse, 2);
     while best > enough && parts <= FINEST {
         let next = over(parts);
@@ -295,20 +308,37 @@ impl<'a> Judge<'a> {
         sign
     }
 
+    /// Bounds of `|X − S∘Φ|` on all spans, none in parts; 0 where a span holds nothing of the part.
+    fn spans(&self, control: &Control) -> Result<Vec<f64>, Unshown> {
+        let of = |(k, reach): (usize, &Option<[f64; 2]>)| -> Result<(i32, f64), Unshown> {
+            let Some(reach) = *reach else { return Ok((0, 0.0)) };
+            going(control)?;
+            Ok((self.orientation(k, reach).ok_or(Unshown::Folds)?, self.span(k, reach, 1)))
+        };
+        let all: Vec<(i32, f64)> = self.reach.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
+        let mut signs = all.iter().map(|s| s.0).filter(|s| *s != 0);
+        let first = signs.next();
+        if signs.any(|s| Some(s) != first) {
+            return Err(Unshown::Folds);
+        }
+        Ok(all.into_iter().map(|s| s.1).collect())
+    }
+
     /// Bound of `|X − S∘Φ|` on a span, in so many parts of it and times as many along its rulings.
     fn span(&self, k: usize, [lo, hi]: [f64; 2], parts: usize) -> f64 {
         let count = CELLS * parts;
         let way = |i: usize| if i == count { hi } else { lo + (hi - lo) * i as f64 / count as f64 };
         let share = |j: usize| j as f64 / parts as f64;
-        let corners: Vec<Vec<f64>> =
-            (0..=parts).map(|j| (0..=count).map(|i| self.corner(k, share(j), way(i))).collect()).collect();
-        let mut out = 0.0;
-        for (i, j) in (0..count).flat_map(|i| (0..parts).map(move |j| (i, j))) {
-            let at = |j: usize| corners[j][i].max(corners[j][i + 1]);
-            let cell = self.cell(k, [share(j), share(j + 1)], [way(i), way(i + 1)]);
-            out = worse(out, sum(&[at(j).max(at(j + 1)), cell]));
-        }
-        out
+        let on_ruling = |j: usize| -> Vec<f64> { (0..=count).map(|i| self.corner(k, share(j), way(i))).collect() };
+        let corners: Vec<Vec<f64>> = (0..parts + 1).into_par_iter().with_min_len(2).map(on_ruling).collect();
+        let between = |j: usize| {
+            let cell = |i: usize| {
+                let at = |j: usize| worse(corners[j][i], corners[j][i + 1]);
+                sum(&[worse(at(j), at(j + 1)), self.cell(k, [share(j), share(j + 1)], [way(i), way(i + 1)])])
+            };
+            (0..count).map(cell).fold(0.0, worse)
+        };
+        (0..parts).into_par_iter().map(between).reduce(|| 0.0, worse)
     }
 
     /// Bound of the distance on a cell from the bilinear function through its corners.
@@ -380,7 +410,7 @@ impl<'a> Judge<'a> {
         let s = &self.asked.spans[k];
         let pose = if share == 0.0 { s.space } else { s.space.moved(&s.in_space, share) };
         let x = pose.point(v, 0.0) - self.origin;
-        let on = self.tensor.affine_at(self.phi(k, [share, v])).p;
+        let on = self.tensor.point_at(self.phi(k, [share, v]));
         let x = [x.x, x.y, x.z].map(|c| Interval::point(c).widen(self.rough));
         length_bound(&sub(&x, &on))
     }
@@ -429,14 +459,15 @@ impl<'a> Judge<'a> {
             let at = |k: usize| (on_line(between(s, t, k)), on_border(between(x, y, k)));
             let part = (Interval::point(t) - Interval::point(s)) / Interval::point(parts as f64);
             let beside = change.map(|c| (c * part.sqr()).mag());
-            for k in 0..parts {
+            let longest = |k: usize| {
                 let ends = [at(k), at(k + 1)];
                 let hull = |of: &dyn Fn(&Both) -> Interval| of(&ends[0]).hull(of(&ends[1]));
                 let box_ = [0, 1].map(|d: usize| hull(&|e| e.0[d].hull(e.1[d])).widen(beside[d]));
                 let off = [0, 1].map(|d: usize| hull(&|e| e.0[d] - e.1[d]).widen(beside[d]));
                 let jet = self.tensor.affine_over(box_);
-                out = worse(out, length_bound(&add(&scale(&jet.du, off[0]), &scale(&jet.dv, off[1]))));
-            }
+                length_bound(&add(&scale(&jet.du, off[0]), &scale(&jet.dv, off[1])))
+            };
+            out = worse(out, (0..parts).into_par_iter().with_min_len(FINEST).map(longest).reduce(|| 0.0, worse));
         }
         out
     }
@@ -592,7 +623,7 @@ mod tests {
             borders: &borders,
             chords: 0.0,
         };
-        distance(&stretch).map(UpperBound::value)
+        distance(&stretch, &Control::default()).map(UpperBound::value)
     }
 
     #[test]
@@ -601,6 +632,22 @@ mod tests {
             let found = bound(n, RADIUS, |_, _| {}).expect("a bound");
             assert!(found < 1.0 / (n * n) as f64, "{n}: {found:e}");
         }
+    }
+
+    #[test]
+    fn bounds_are_the_same_on_any_number_of_threads_and_stop_when_asked() {
+        let (spans, places, line) = strip(20, 1.01 * RADIUS);
+        let (surface, borders) = (patch(), [BORDER.to_vec()]);
+        let lines = vec![(0, line)];
+        let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| distance(&stretch, &Control::default())).map(|b| b.value().to_bits())
+        };
+        assert!(on(1).is_ok() && [2, 5].into_iter().all(|n| on(n) == on(1)));
+        let stopped = Control::default();
+        stopped.cancel();
+        assert!(matches!(distance(&stretch, &stopped), Err(Unshown::Stopped)));
     }
 
     #[test]
