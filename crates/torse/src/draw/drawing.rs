@@ -52,9 +52,9 @@ pub struct Piece {
     /// Outlines of formed features: do not cut.
     pub formed: Vec<Contour>,
     /// Lines in which planes cut the part: do not cut.
-    pub sections: Vec<Vec<Vec2>>,
+    pub sections: Vec<MarkLine>,
     /// Curves of the model that lie on the part: do not cut.
-    pub curves: Vec<Vec<Vec2>>,
+    pub curves: Vec<MarkLine>,
     /// Matching marks: short lines from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
     /// Strokes of the panel's name and of the marks' labels.
@@ -224,7 +224,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     };
     let line = |l: &[Vec2; 2]| l.map(|p| placement.apply(&p));
-    let marked_line = |l: &MarkLine| l.points.iter().map(|p| placement.apply(p)).collect();
+    let marked_line = |l: &MarkLine| l.moved(|p| placement.apply(p), false);
     let mut contours = pattern.contours.iter().map(contour);
     let mut piece = Piece {
         name: pattern.name.clone(),
@@ -253,8 +253,10 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         piece.marks.push([foot, foot + placement.turn(&mark.inward) * (TICK * height)]);
     }
     let cuts = rough.outlines.iter().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
-    let drawn = piece.sections.iter().chain(&piece.curves).flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
-    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(drawn).collect());
+    let drawn: Vec<Vec<Vec2>> =
+        piece.sections.iter().chain(&piece.curves).map(|l| flat::line_points(l, chord)).collect();
+    let strokes = drawn.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
+    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(strokes).collect());
     let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
     let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
     let mut beside = Vec::new();
@@ -266,7 +268,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
     }
-    let named = pattern.sections.iter().chain(&pattern.curves).zip(piece.sections.iter().chain(&piece.curves));
+    let named = pattern.sections.iter().chain(&pattern.curves).zip(&drawn);
     for (mark, line) in named.filter(|(mark, _)| !mark.label.is_empty()) {
         labels.put(&mark.label, places_beside(&mark.label, line, height));
     }
