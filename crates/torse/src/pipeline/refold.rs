@@ -97,10 +97,7 @@ pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync), control: &Control
     let mut left = folder.left.clone();
     let mut parts = Vec::new();
     for m in made {
-        match m {
-            Ok(p) => parts.push(p),
-            Err(e) => left.push(e),
-        }
+        m.map_or_else(|e| left.push(e), |p| parts.push(p));
     }
     Ok(RefoldAnswer { notes: folder.notes.clone(), folder, parts, left })
 }
