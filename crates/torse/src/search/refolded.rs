@@ -210,8 +210,9 @@ impl Tip {
 
 /// Share of the size of a part within which rulings meet in one point, and least way around it.
 const ONE_POINT: f64 = 1e-6;
-/// Way around a tip, in lengths of what a panel leaves of it.
-const ROOM: f64 = 1.5;
+/// Way around a tip, in lengths of what a panel leaves of it: that the line goes around it counts once as distance from the outline, and
+/// what it is farther off than the panel as distance from its border.
+const ROOM: f64 = 1.1;
 
 /// A place on a ribbon, and on the drawing.
 type Seen = (f64, f64, Vec2);
