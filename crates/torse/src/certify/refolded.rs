@@ -10,7 +10,8 @@
 //! greatest in a corner; where a knot line of S is less than C¹, along the span within a quarter of what its first derivatives range
 //! over, or, if only a share of the cell is beyond it, within that share of the range, twice, and the eighth. `X` moves
 //! evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most \[DC76\];
-//! derivatives of S are enclosed over boxes \[MKC09\]. 2. The lines Φ∘γ and the panel's border are joined by
+//! derivatives of S are enclosed over boxes \[MKC09\]. Cells cover what T has of a span: over an interval of it T lies between ways that
+//! pieces of γ have there, since these bound it along every ruling. 2. The lines Φ∘γ and the panel's border are joined by
 //! segments of the parameter plane, whose images are no longer than β. A place of the panel off these segments is enclosed by
 //! Φ∘γ as often as by the border: it is Φ of a place of T. A place `y` of T whose Φ(y) is off them is, because Φ does not
 //! fold, enclosed by the border too. Everything on the segments is within β of both edges. 3. In the plane the same is asked of
@@ -24,11 +25,14 @@ use super::claim::UpperBound;
 use super::simple::polygons_are_simple;
 use super::tensor::{about, Jet2, Tensor};
 use super::vector::{add, length_bound, scale, sub, V3};
+use crate::control::Control;
 use crate::geom::{Vec2, Vec3};
 use crate::num::interval::Interval;
 use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::Span;
+use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Parameters of the patch along a ruling: `at + slope v` at the way v.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +86,9 @@ pub enum Unshown {
     /// Nothing finite.
     #[error("its panel has no bounded derivatives")]
     Unbounded,
+    /// The job was asked to stop.
+    #[error("the job was stopped before it was done")]
+    Stopped,
 }
 
 /// Share of the size that rounding may move what plain arithmetic computes here from spans: a thousand times what some
@@ -96,22 +103,21 @@ const GAIN: f64 = 0.95;
 /// Places on a border that are one, in corners.
 const ONE_PLACE: f64 = 1e-6;
 
-/// Bound (mm) of the distance between a stretch bent back and its panel.
-pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
+/// Bound (mm) of the distance between a stretch bent back and its panel; the same whatever the number of threads.
+pub(crate) fn distance(stretch: &Stretch, control: &Control) -> Result<UpperBound, Unshown> {
     let judge = Judge::new(stretch)?;
     judge.check_lines()?;
-    let mut sign = 0;
-    let mut bent = vec![0.0_f64; stretch.spans.len()];
-    for k in 0..stretch.spans.len() {
-        let Some(reach) = judge.reach[k] else { continue };
-        let here = judge.orientation(k, reach).filter(|s| sign == 0 || *s == sign).ok_or(Unshown::Folds)?;
-        sign = here;
-        bent[k] = judge.span(k, reach, 1);
-    }
+    let mut bent = judge.spans(control)?;
+    // Bounds over parts: pieces on both sides of a span ask for the same ones.
+    let mut known: HashMap<(usize, usize), f64> = HashMap::new();
+    let mut in_parts = |k: usize, n: usize| *known.entry((k, n)).or_insert_with(|| judge.span(k, n));
     let mut worst = 0.0_f64;
     for k in falling(&bent) {
-        let Some(reach) = judge.reach[k].filter(|_| GAIN * bent[k] > worst) else { break };
-        bent[k] = refined(bent[k], worst, &|n| judge.span(k, reach, n));
+        if GAIN * bent[k] <= worst {
+            break;
+        }
+        going(control)?;
+        bent[k] = refined(bent[k], worst, &mut |n| in_parts(k, n));
         worst = bent[k].max(worst);
     }
     worst = bent.iter().copied().fold(worst, worse);
@@ -119,12 +125,14 @@ pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
     let of = |(border, piece): (usize, &Piece), bent: f64, n: usize| {
         sum(&[bent, judge.to_border(piece, &stretch.borders[border], n * n), judge.to_drawing(piece)])
     };
-    let mut whole: Vec<f64> = pieces.iter().map(|p| of(*p, bent[p.1.span], 1)).collect();
+    let mut whole: Vec<f64> = pieces.par_iter().map(|p| of(*p, bent[p.1.span], 1)).collect();
     for k in falling(&whole) {
         let (here, span) = (pieces[k], pieces[k].1.span);
-        let Some(reach) = judge.reach[span].filter(|_| GAIN * whole[k] > worst) else { break };
-        let fine = |n: usize| of(here, judge.span(span, reach, n).min(bent[span]), n);
-        whole[k] = refined(whole[k], worst, &fine);
+        if GAIN * whole[k] <= worst {
+            break;
+        }
+        going(control)?;
+        whole[k] = refined(whole[k], worst, &mut |n| of(here, in_parts(span, n).min(bent[span]), n));
         worst = whole[k].max(worst);
     }
     worst = whole.iter().copied().fold(worst, worse);
@@ -134,6 +142,15 @@ pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
         Ok(bound)
     } else {
         Err(Unshown::Unbounded)
+    }
+}
+
+/// Whether the job goes on.
+fn going(control: &Control) -> Result<(), Unshown> {
+    if control.stopped() {
+        Err(Unshown::Stopped)
+    } else {
+        Ok(())
     }
 }
 
@@ -151,7 +168,7 @@ fn falling(of: &[f64]) -> Vec<usize> {
 
 /// A bound over ever more parts, while that gains something and more than `enough`: the greatest is asked for, and what is below it
 /// need not be known better.
-fn refined(coarse: f64, enough: f64, over: &dyn Fn(usize) -> f64) -> f64 {
+fn refined(coarse: f64, enough: f64, over: &mut dyn FnMut(usize) -> f64) -> f64 {
     let (mut best, mut parts) = (coarse, 2);
     while best > enough && parts <= FINEST {
         let next = over(parts);
@@ -171,6 +188,8 @@ struct Judge<'a> {
     origin: Vec3,
     /// Ways along the rulings that lines reach on every span.
     reach: Vec<Option<[f64; 2]>>,
+    /// First and last places of the pieces on every span.
+    sides: Vec<Vec<[[f64; 2]; 2]>>,
     /// What coordinates are rounded to, mm.
     rough: f64,
     /// Greatest step from span to span, mm.
@@ -184,11 +203,13 @@ impl<'a> Judge<'a> {
             return Err(Unshown::Lines);
         }
         let mut reach: Vec<Option<[f64; 2]>> = vec![None; n];
+        let mut sides = vec![Vec::new(); n];
         for piece in asked.lines.iter().flat_map(|l| &l.1) {
             let ways = piece.ends.map(|e| e[1]);
             let slot = reach.get_mut(piece.span).ok_or(Unshown::Lines)?;
             let old = slot.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
             *slot = Some([old[0].min(ways[0]).min(ways[1]), old[1].max(ways[0]).max(ways[1])]);
+            sides[piece.span].push(piece.ends);
         }
         let far = |s: &Span| s.space.at.amax().max(s.flat.at.amax()) + s.in_space.along.hypot(s.in_space.across);
         let ways = reach.iter().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -198,7 +219,7 @@ impl<'a> Judge<'a> {
         let surface = asked.surface;
         let control = about(&surface.control, [origin.x, origin.y, origin.z]);
         let tensor = Tensor::new([&surface.knots_u, &surface.knots_v], control);
-        let mut out = Self { asked, tensor, origin, reach, rough, gap: 0.0 };
+        let mut out = Self { asked, tensor, origin, reach, sides, rough, gap: 0.0 };
         out.gap = out.gaps();
         Ok(out)
     }
@@ -295,20 +316,56 @@ impl<'a> Judge<'a> {
         sign
     }
 
-    /// Bound of `|X − S∘Φ|` on a span, in so many parts of it and times as many along its rulings.
-    fn span(&self, k: usize, [lo, hi]: [f64; 2], parts: usize) -> f64 {
-        let count = CELLS * parts;
-        let way = |i: usize| if i == count { hi } else { lo + (hi - lo) * i as f64 / count as f64 };
-        let share = |j: usize| j as f64 / parts as f64;
-        let corners: Vec<Vec<f64>> =
-            (0..=parts).map(|j| (0..=count).map(|i| self.corner(k, share(j), way(i))).collect()).collect();
-        let mut out = 0.0;
-        for (i, j) in (0..count).flat_map(|i| (0..parts).map(move |j| (i, j))) {
-            let at = |j: usize| corners[j][i].max(corners[j][i + 1]);
-            let cell = self.cell(k, [share(j), share(j + 1)], [way(i), way(i + 1)]);
-            out = worse(out, sum(&[at(j).max(at(j + 1)), cell]));
+    /// Bounds of `|X − S∘Φ|` on all spans, none in parts; 0 where a span holds nothing of the part.
+    fn spans(&self, control: &Control) -> Result<Vec<f64>, Unshown> {
+        let of = |(k, reach): (usize, &Option<[f64; 2]>)| -> Result<(i32, f64), Unshown> {
+            let Some(reach) = *reach else { return Ok((0, 0.0)) };
+            going(control)?;
+            Ok((self.orientation(k, reach).ok_or(Unshown::Folds)?, self.span(k, 1)))
+        };
+        let all: Vec<(i32, f64)> = self.reach.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
+        let mut signs = all.iter().map(|s| s.0).filter(|s| *s != 0);
+        let first = signs.next();
+        if signs.any(|s| Some(s) != first) {
+            return Err(Unshown::Folds);
         }
-        out
+        Ok(all.into_iter().map(|s| s.1).collect())
+    }
+
+    /// Ways along the rulings that lines reach over shares of a span, and the part with them, whose ends lie on lines; `None` where
+    /// there is nothing of it.
+    fn column(&self, k: usize, [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+        let mut out: Option<[f64; 2]> = None;
+        for [[s, v], [t, w]] in &self.sides[k] {
+            let [low, high] = [s.min(*t).max(from), s.max(*t).min(to)];
+            if low > high {
+                continue;
+            }
+            let at = |x: f64| if x == *t { *w } else { v + (w - v) * ((x - s) / (t - s)) };
+            let ways = if s == t { [*v, *w] } else { [at(low), at(high)] };
+            for way in ways {
+                let [lo, hi] = out.unwrap_or([way, way]);
+                out = Some([lo.min(way), hi.max(way)]);
+            }
+        }
+        out.map(|[lo, hi]| [lo - self.rough, hi + self.rough])
+    }
+
+    /// Bound of `|X − S∘Φ|` on what a span holds of the part, in so many parts of it and times as many along its rulings: beyond the
+    /// part nothing is asked, and patches may go anywhere.
+    fn span(&self, k: usize, parts: usize) -> f64 {
+        let count = CELLS * parts;
+        let share = |j: usize| j as f64 / parts as f64;
+        let between = |j: usize| {
+            let shares = [share(j), share(j + 1)];
+            let Some([lo, hi]) = self.column(k, shares) else { return 0.0 };
+            let way = |i: usize| if i == count { hi } else { lo + (hi - lo) * i as f64 / count as f64 };
+            let corner = |i: usize| worse(self.corner(k, shares[0], way(i)), self.corner(k, shares[1], way(i)));
+            let corners: Vec<f64> = (0..=count).map(corner).collect();
+            let cell = |i: usize| sum(&[worse(corners[i], corners[i + 1]), self.cell(k, shares, [way(i), way(i + 1)])]);
+            (0..count).map(cell).fold(0.0, worse)
+        };
+        (0..parts).into_par_iter().map(between).reduce(|| 0.0, worse)
     }
 
     /// Bound of the distance on a cell from the bilinear function through its corners.
@@ -380,7 +437,7 @@ impl<'a> Judge<'a> {
         let s = &self.asked.spans[k];
         let pose = if share == 0.0 { s.space } else { s.space.moved(&s.in_space, share) };
         let x = pose.point(v, 0.0) - self.origin;
-        let on = self.tensor.affine_at(self.phi(k, [share, v])).p;
+        let on = self.tensor.point_at(self.phi(k, [share, v]));
         let x = [x.x, x.y, x.z].map(|c| Interval::point(c).widen(self.rough));
         length_bound(&sub(&x, &on))
     }
@@ -429,14 +486,15 @@ impl<'a> Judge<'a> {
             let at = |k: usize| (on_line(between(s, t, k)), on_border(between(x, y, k)));
             let part = (Interval::point(t) - Interval::point(s)) / Interval::point(parts as f64);
             let beside = change.map(|c| (c * part.sqr()).mag());
-            for k in 0..parts {
+            let longest = |k: usize| {
                 let ends = [at(k), at(k + 1)];
                 let hull = |of: &dyn Fn(&Both) -> Interval| of(&ends[0]).hull(of(&ends[1]));
                 let box_ = [0, 1].map(|d: usize| hull(&|e| e.0[d].hull(e.1[d])).widen(beside[d]));
                 let off = [0, 1].map(|d: usize| hull(&|e| e.0[d] - e.1[d]).widen(beside[d]));
                 let jet = self.tensor.affine_over(box_);
-                out = worse(out, length_bound(&add(&scale(&jet.du, off[0]), &scale(&jet.dv, off[1]))));
-            }
+                length_bound(&add(&scale(&jet.du, off[0]), &scale(&jet.dv, off[1])))
+            };
+            out = worse(out, (0..parts).into_par_iter().with_min_len(FINEST).map(longest).reduce(|| 0.0, worse));
         }
         out
     }
@@ -592,7 +650,7 @@ mod tests {
             borders: &borders,
             chords: 0.0,
         };
-        distance(&stretch).map(UpperBound::value)
+        distance(&stretch, &Control::default()).map(UpperBound::value)
     }
 
     #[test]
@@ -604,16 +662,58 @@ mod tests {
     }
 
     #[test]
+    fn bounds_are_the_same_on_any_number_of_threads_and_stop_when_asked() {
+        let (spans, places, line) = strip(20, 1.01 * RADIUS);
+        let (surface, borders) = (patch(), [BORDER.to_vec()]);
+        let lines = vec![(0, line)];
+        let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| distance(&stretch, &Control::default())).map(|b| b.value().to_bits())
+        };
+        assert!(on(1).is_ok() && [2, 5].into_iter().all(|n| on(n) == on(1)));
+        let stopped = Control::default();
+        stopped.cancel();
+        assert!(matches!(distance(&stretch, &stopped), Err(Unshown::Stopped)));
+    }
+
+    #[test]
     fn what_enclosures_leave_falls_with_the_parts() {
         let (spans, places, line) = strip(3, RADIUS);
         let (surface, borders) = (patch(), [BORDER.to_vec()]);
         let lines = vec![(0, line)];
         let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
         let judge = Judge::new(&stretch).expect("a judge");
-        let [coarse, fine] = [1, 8].map(|n| judge.span(1, [-HEIGHT, 0.0], n));
+        let [coarse, fine] = [1, 8].map(|n| judge.span(1, n));
         // The greatest distance at places of the span.
         let seen = (0..=20).map(|i| judge.corner(1, f64::from(i) / 20.0, 0.0)).fold(0.0, f64::max);
         assert!(seen <= fine && fine < 0.5 * coarse && fine < 2.0 * seen, "{seen} {fine} {coarse}");
+    }
+
+    #[test]
+    fn beyond_the_part_nothing_is_asked() {
+        // A part that ends along a line across one wide span: only beside it would its corner be off.
+        let (mut spans, places, _) = strip(1, RADIUS);
+        spans[0].in_space.spin = 0.05;
+        let piece = |[a, b]: [[f64; 2]; 2]| Piece { span: 0, ends: [a, b], border: [0.0; 2], drawn: None };
+        let [a, b, c] = [[0.0, 0.0], [1.0, -HEIGHT], [0.0, -HEIGHT]];
+        let lines = vec![(0, vec![piece([a, b]), piece([b, c]), piece([c, a])])];
+        let (surface, borders) = (patch(), [BORDER.to_vec()]);
+        let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+        let judge = Judge::new(&stretch).expect("a judge");
+        let near = |found: Option<[f64; 2]>, wanted: [f64; 2]| {
+            found.is_some_and(|f| f.iter().zip(wanted).all(|(x, y)| (x - y).abs() < 1e-6))
+        };
+        assert!(
+            near(judge.column(0, [0.0, 1.0]), [-HEIGHT, 0.0]) && near(judge.column(0, [0.5, 1.0]), [-HEIGHT, -25.0])
+        );
+        assert!(near(judge.column(0, [0.25, 0.5]), [-HEIGHT, -12.5]));
+        // Nothing that lies in the part is left out.
+        let inside = |s: f64, v: f64| judge.corner(0, s, v);
+        let seen = (0..=20).flat_map(|i| (0..=20).map(move |j| (f64::from(i) / 20.0, f64::from(j) / 20.0)));
+        let seen = seen.map(|(s, x)| inside(s, -HEIGHT + x * (1.0 - s) * HEIGHT)).fold(0.0, f64::max);
+        let [coarse, fine] = [1, 16].map(|n| judge.span(0, n));
+        assert!(seen <= fine && fine < 0.9 * coarse, "{seen} {fine} {coarse}");
     }
 
     #[test]

@@ -76,9 +76,13 @@ impl Tensor<'_, 4> {
         self.pieces([u, v], &|net, a, b| net.over([a, b]).affine())
     }
 
-    /// The same at a place, known up to the rounding of a narrow box.
-    pub fn affine_at(&self, [u, v]: [Interval; 2]) -> Jet2<3> {
-        self.pieces([u, v], &|net, a, b| net.at([a.local(u), b.local(v)], [a, b]).affine())
+    /// The point alone at a place, known up to the rounding of a narrow box.
+    pub fn point_at(&self, [u, v]: [Interval; 2]) -> [Interval; 3] {
+        let point = |net: Net<4>, a: &Part, b: &Part| {
+            let h = net.value([a.local(u), b.local(v)]);
+            Jet2 { p: [0, 1, 2].map(|d: usize| h[d] / h[3]), ..Jet2::ZERO }
+        };
+        self.pieces([u, v], &point).p
     }
 }
 
@@ -191,14 +195,14 @@ impl<'a, const N: usize> Tensor<'a, N> {
     fn pieces<const M: usize>(
         &self,
         [u, v]: [Interval; 2],
-        on_net: &dyn Fn(&Net<N>, &Part, &Part) -> Jet2<M>,
+        on_net: &dyn Fn(Net<N>, &Part, &Part) -> Jet2<M>,
     ) -> Jet2<M> {
         let mut out: Option<Jet2<M>> = None;
         for i in self.u.pieces(u) {
             let a = self.u.part(i, u);
             for j in self.v.pieces(v) {
                 let b = self.v.part(j, v);
-                let found = on_net(&self.net(&a, &b), &a, &b);
+                let found = on_net(self.net(&a, &b), &a, &b);
                 out = Some(out.map_or(found, |o| o.hull(&found)));
             }
         }

@@ -340,13 +340,7 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFa
     };
     let mut offs: Vec<f64> = Vec::new();
     for (own, written) in outlines() {
-        match written {
-            WrittenContour::Joints(joints) => offs.extend(contour_moved(own, joints, unit, &far)),
-            WrittenContour::Circle { centre, radius } => {
-                let radius = Interval::point(*radius) * unit;
-                offs.push(circle_moved(own, radius, |p| far(p, centre)).ok_or(Differs::NoCircle)?);
-            }
-        }
+        offs.push(line_moved(own, written, unit, &far)?);
     }
     for (a, b) in pattern.extents.iter().zip(&piece.extents) {
         offs.extend([far(&a[0], &b[0]), far(&a[1], &b[1])]);
@@ -359,8 +353,14 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFa
         offs.extend([far(&a[0], &b[0]), far(&a[1], &b[1])]);
     }
     for (own, line) in pattern.sections.iter().chain(&pattern.curves).zip(piece.sections.iter().chain(&piece.curves)) {
-        counted(Drawn::Corners, own.points.len(), line.len())?;
-        offs.extend(own.points.iter().zip(line).map(|(a, b)| far(a, b)));
+        let closed = usize::from(line.closed);
+        let joints = match &line.line {
+            WrittenContour::Joints(joints) => joints.len(),
+            WrittenContour::Circle { .. } => own.joints.len(),
+        };
+        counted(Drawn::Corners, own.joints.len() + usize::from(own.closed), joints + closed)?;
+        // The chord that an open line lacks is there on both sides.
+        offs.push(line_moved(&own.contour(), &line.line, unit, &far)?);
     }
     for (a, b) in pattern.marks.iter().zip(&piece.marks) {
         // How long ticks are drawn is the drawing's affair, where they point to is not.
@@ -371,6 +371,31 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFa
         return Err(Differs::NoArc.into());
     }
     Ok(offs.into_iter().fold(0.0, f64::max))
+}
+
+/// What lines and arcs are off, joined to the first joint again, or a circle that is written for them.
+fn line_moved(
+    own: &Contour,
+    written: &WrittenContour,
+    unit: Interval,
+    far: &dyn Fn(&Vec2, &Vec2) -> f64,
+) -> Result<f64, WrittenFault> {
+    match written {
+        WrittenContour::Joints(joints) => Ok(contour_moved(own, joints, unit, far).into_iter().fold(0.0, greater)),
+        WrittenContour::Circle { centre, radius } => {
+            let radius = Interval::point(*radius) * unit;
+            Ok(circle_moved(own, radius, |p| far(p, centre)).ok_or(Differs::NoCircle)?)
+        }
+    }
+}
+
+/// The greater of both; what is no number is greatest.
+fn greater(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::INFINITY
+    } else {
+        a.max(b)
+    }
 }
 
 /// A unit's length, mm: an inch is 127/5 mm exactly, which no double is.

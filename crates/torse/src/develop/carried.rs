@@ -2,18 +2,20 @@
 //!
 //! *Method*. A curve is followed from point to point, each pulled to the nearest place of the faces within their edges and from
 //! there mapped to the plane by the maps that laid the part flat. Where it leaves the faces, and where its image leaps because
-//! the part is cut open there, its ends are found by halving; between them chords are halved until they keep to a distance.
+//! the part is cut open there, its ends are found by halving; between them chords are halved until they keep to a distance. Lines and
+//! arcs are drawn for them ([`super::marked`]); how far these are off is the sum of what chords and they are.
 //! What lies on a face that a panel covers has its foot on the panel; what lies on the other skin of a sheet, on that which is laid
 //! flat, a thickness away along the normal.
 //! Everything here is measured, not proven.
 
+use super::marked::marked;
 use super::refold::atlas::{Atlas, OnPanel};
 use super::refold::drawn::{distance, foot};
 use super::shop::roll::outlines;
-use super::shop::sections::{clipped, simplified};
+use super::shop::sections::clipped;
 use crate::brep::face::Face;
 use crate::geom::{BBox, Vec2, Vec3};
-use crate::patchwork::pattern::Pattern;
+use crate::patchwork::pattern::{MarkLine, Pattern};
 use crate::spline::curve::Curve;
 use crate::torse::rail::{jet, span_length};
 
@@ -62,8 +64,8 @@ pub(crate) struct CarryOptions {
 /// What a curve leaves on a part.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Carried {
-    /// Its lines, mm.
-    pub lines: Vec<Vec<Vec2>>,
+    /// Its lines, without labels.
+    pub lines: Vec<MarkLine>,
     /// Whether it has stretches along the outline, which are none of these: they are cut anyway.
     pub along_edge: bool,
     /// Greatest distance (mm) of its points from the faces, and of the lines from its image, measured.
@@ -243,11 +245,12 @@ impl Target {
             walk.stretch(&w[0], &w[1], 0);
         }
         let mut out = Carried { on: spots.iter().map(|s| s.place.is_some()).collect(), ..Carried::default() };
-        for line in walk.lines.iter().filter(|l| l.len() > 1) {
+        let lines = std::mem::take(&mut walk.lines);
+        for line in lines.iter().filter(|l| l.len() > 1) {
             let fine: Vec<Vec2> = line.iter().filter_map(|s| s.place.map(|p| p.1)).collect();
             let edge = ALONG * (options.within + self.rough);
             let is_stub = fine.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() <= STUB * options.within;
-            if is_stub && (walk.lines.len() > 1 || !out.on.iter().all(|on| *on)) {
+            if is_stub && (lines.len() > 1 || !out.on.iter().all(|on| *on)) {
                 continue;
             }
             if fine.iter().all(|p| distance(&self.loops, p) <= edge) {
@@ -255,9 +258,9 @@ impl Target {
                 continue;
             }
             let off = line.iter().filter_map(|s| s.place.map(|p| p.0.off)).fold(0.0, f64::max);
-            let drawn = simplified(&fine, options.chord);
+            let (drawn, fit) = marked("", &fine, options.chord);
             out.distance = out.distance.max(off);
-            out.deviation = out.deviation.max(deviation(&fine, &drawn));
+            out.deviation = out.deviation.max(walk.between(line) + fit);
             out.lines.push(drawn);
         }
         out
@@ -287,21 +290,6 @@ impl Target {
         let way = x - jet.p;
         on.off <= within + off && (way - normal * way.dot(&normal)).norm() <= within
     }
-}
-
-/// Greatest distance (mm) of a line's points from one that keeps some of them, its first and last among these.
-fn deviation(fine: &[Vec2], kept: &[Vec2]) -> f64 {
-    let mut at = 0;
-    let mut worst = 0.0_f64;
-    for p in fine {
-        if at + 2 < kept.len() && *p == kept[at + 1] {
-            at += 1;
-        }
-        if let [a, b] = kept[at..(at + 2).min(kept.len())] {
-            worst = worst.max((p - foot(&a, &b, p)).norm());
-        }
-    }
-    worst
 }
 
 /// A curve on its way over a part: the last of the lines is still open.
@@ -370,6 +358,19 @@ impl Walk<'_, '_> {
         }
         middles.into_iter().filter(|m| m.place.is_some()).for_each(|m| self.push(m));
         self.push(*b);
+    }
+
+    /// Greatest distance (mm) of the image from the chords of a line, half way between its points.
+    fn between(&mut self, line: &[Spot]) -> f64 {
+        let mut worst = 0.0_f64;
+        for w in line.windows(2) {
+            let middle = self.at(0.5 * (w[0].s + w[1].s), &w[0]);
+            let places = [&w[0], &middle, &w[1]].map(|s| s.place.map(|p| p.1));
+            if let [Some(p), Some(m), Some(q)] = places {
+                worst = worst.max((m - foot(&p, &q, &m)).norm());
+            }
+        }
+        worst
     }
 
     /// The last point on the way from one to the other to which the image of the first goes on.

@@ -10,6 +10,7 @@ pub mod cones;
 pub(crate) mod joints;
 pub mod layout;
 pub mod map;
+pub(crate) mod marked;
 pub(crate) mod mesh_border;
 pub(crate) mod outline;
 pub(crate) mod overlap;

@@ -121,9 +121,13 @@ fn falls_together(p: &Pattern, q: &Pattern, motion: &Motion, slack: f64) -> bool
 
 /// Whether a marked line, moved, is another, run through either way.
 fn is_line(l: &MarkLine, m: &MarkLine, motion: &Motion, slack: f64) -> bool {
-    let near = |(p, q): (&Vec2, &Vec2)| (motion.apply(p) - q).norm() <= slack;
-    l.points.len() == m.points.len()
-        && (l.points.iter().zip(&m.points).all(near) || l.points.iter().rev().zip(&m.points).all(near))
+    if l.closed != m.closed || l.joints.len() != m.joints.len() {
+        return false;
+    }
+    [m.contour(), m.reversed().contour()].iter().any(|other| match l.closed {
+        true => on(&l.contour(), other, motion, slack),
+        false => falls_on(&l.contour(), other, 0, motion, slack),
+    })
 }
 
 /// Whether a contour, moved, is another.
@@ -131,16 +135,19 @@ fn on(c: &Contour, d: &Contour, motion: &Motion, slack: f64) -> bool {
     if let Some(((o, r), (m, s))) = c.circle().zip(d.circle()) {
         return (motion.apply(&o) - m).norm() <= slack && (r - s).abs() <= slack;
     }
+    let n = c.vertices.len();
+    n == d.vertices.len() && (0..n).any(|shift| falls_on(c, d, shift, motion, slack))
+}
+
+/// Whether a contour, moved, is another one as long, whose joints begin so many places later.
+fn falls_on(c: &Contour, d: &Contour, shift: usize, motion: &Motion, slack: f64) -> bool {
     let (v, w) = (&c.vertices, &d.vertices);
     let n = v.len();
-    n == w.len()
-        && (0..n).any(|shift| {
-            (0..n).all(|k| {
-                let (a, b) = (&v[k], &w[(k + shift) % n]);
-                let chord = (v[(k + 1) % n].point - a.point).norm();
-                (motion.apply(&a.point) - b.point).norm() <= slack && (a.bulge - b.bulge).abs() * chord <= slack
-            })
-        })
+    (0..n).all(|k| {
+        let (a, b) = (&v[k], &w[(k + shift) % n]);
+        let chord = (v[(k + 1) % n].point - a.point).norm();
+        (motion.apply(&a.point) - b.point).norm() <= slack && (a.bulge - b.bulge).abs() * chord <= slack
+    })
 }
 
 #[cfg(test)]

@@ -52,9 +52,9 @@ pub struct Piece {
     /// Outlines of formed features: do not cut.
     pub formed: Vec<Contour>,
     /// Lines in which planes cut the part: do not cut.
-    pub sections: Vec<Vec<Vec2>>,
+    pub sections: Vec<MarkLine>,
     /// Curves of the model that lie on the part: do not cut.
-    pub curves: Vec<Vec<Vec2>>,
+    pub curves: Vec<MarkLine>,
     /// Matching marks: short lines from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
     /// Strokes of the panel's name and of the marks' labels.
@@ -224,7 +224,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     };
     let line = |l: &[Vec2; 2]| l.map(|p| placement.apply(&p));
-    let marked_line = |l: &MarkLine| l.points.iter().map(|p| placement.apply(p)).collect();
+    let marked_line = |l: &MarkLine| l.moved(|p| placement.apply(p), false);
     let mut contours = pattern.contours.iter().map(contour);
     let mut piece = Piece {
         name: pattern.name.clone(),
@@ -253,8 +253,10 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         piece.marks.push([foot, foot + placement.turn(&mark.inward) * (TICK * height)]);
     }
     let cuts = rough.outlines.iter().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
-    let drawn = piece.sections.iter().chain(&piece.curves).flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
-    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(drawn).collect());
+    let drawn: Vec<Vec<Vec2>> =
+        piece.sections.iter().chain(&piece.curves).map(|l| flat::line_points(l, chord)).collect();
+    let strokes = drawn.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
+    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(strokes).collect());
     let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
     let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
     let mut beside = Vec::new();
@@ -266,9 +268,13 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
     }
-    let named = pattern.sections.iter().chain(&pattern.curves).zip(piece.sections.iter().chain(&piece.curves));
-    for (mark, line) in named.filter(|(mark, _)| !mark.label.is_empty()) {
-        labels.put(&mark.label, places_beside(&mark.label, line, height));
+    let named = pattern.sections.iter().chain(&pattern.curves).zip(&drawn);
+    for (k, (mark, line)) in named.enumerate().filter(|(_, (mark, _))| !mark.label.is_empty()) {
+        let stands = labels.put(&mark.label, places_beside(&mark.label, line, height));
+        // What is left of a plane in a corner needs no name.
+        if !stands && k >= pattern.sections.len() && is_small(line, &mark.label, height) {
+            labels.put(&mark.label, places_around(&mark.label, line, height));
+        }
     }
     piece.text = labels.strokes;
     Drawn { piece, outlines: rough.outlines, beside }
@@ -301,6 +307,36 @@ fn places_beside<'a>(label: &'a str, line: &'a [Vec2], height: f64) -> impl Iter
         let along = upright(way);
         let up = Vec2::new(-along.y, along.x);
         TextPlace { middle: p + up * (side * BESIDE * s * height), along, height: s * height }
+    })
+}
+
+/// Extent of a line against the height of its label up to which this may stand around it.
+const TINY: f64 = 4.0;
+/// Distances of a label from a tiny line, against its height.
+const AROUND: [f64; 3] = [0.5, 1.2, 2.5];
+
+/// Whether a line is as small as the cross of a point, or no longer than its label.
+fn is_small(line: &[Vec2], label: &str, height: f64) -> bool {
+    let (low, high) = bounds(line);
+    (high - low).norm() <= stroke_font::width(label, height).max(TINY * height)
+}
+
+/// Corners of the box around points.
+fn bounds(line: &[Vec2]) -> (Vec2, Vec2) {
+    let first = line.first().copied().unwrap_or_else(Vec2::zeros);
+    line.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)))
+}
+
+/// Where the label of a line that is shorter than it may stand: to the right, to the left, above and below, farther off, smaller.
+fn places_around<'a>(label: &'a str, line: &'a [Vec2], height: f64) -> impl Iterator<Item = TextPlace> + 'a {
+    let (low, high) = bounds(line);
+    let (middle, reach) = ((low + high) * 0.5, 0.5 * (high - low).max());
+    let tried = SMALLER.into_iter().flat_map(|share| AROUND.map(|gap| (share, gap)));
+    tried.flat_map(move |(share, gap)| {
+        let h = share * height;
+        let (wide, tall) = (0.5 * stroke_font::width(label, h) + reach + gap * h, 0.5 * h + reach + gap * h);
+        let ways = [Vec2::new(wide, 0.0), Vec2::new(-wide, 0.0), Vec2::new(0.0, tall), Vec2::new(0.0, -tall)];
+        ways.map(|way| TextPlace { middle: middle + way, along: Vec2::x(), height: h })
     })
 }
 
@@ -361,7 +397,8 @@ fn stacked<'a>(name: &'a str, lines: &[&'a str], room: f64, marked: bool) -> Vec
     let height = (NAME_SHARE * room).min(NAME_WIDTH * room / width(name)).min(NAME_HEIGHT);
     let mut out = vec![(name, height, 0.0)];
     let widest = lines.iter().map(|l| width(l)).fold(1.0, f64::max);
-    let small = (SIDE_SHARE * height).min(SIDE_WIDTH * room / widest);
+    // No smaller than can be read, if the name is.
+    let small = (SIDE_SHARE * height).min(SIDE_WIDTH * room / widest).max(LEAST_NAME.min(height));
     // Lines below keep off the line under a figure.
     let foot = if name.contains(is_underlined) { (0.5 + UNDERLINE) * height } else { 0.5 * height };
     for (k, line) in lines.iter().enumerate() {
@@ -401,6 +438,33 @@ mod tests {
     use super::super::labels::letters;
     use super::*;
     use crate::patchwork::pattern::{Mark, MarkPlace};
+
+    #[test]
+    fn points_are_named_beside_their_crosses() {
+        let at = Vec2::new(70.0, 70.0);
+        let cross = |d: Vec2, label: &str| MarkLine::straight(label, &[at - d, at + d]);
+        let curves = vec![cross(Vec2::x(), "QC 7"), cross(Vec2::y(), "")];
+        let bare = vec![cross(Vec2::x(), ""), cross(Vec2::y(), "")];
+        let strokes = |curves: Vec<MarkLine>| {
+            let pattern = Pattern { curves, ..square("A") };
+            let mut drawn = drawing(&[pattern], &[], &[], &DrawingOptions::default());
+            drawn.pieces.remove(0).text
+        };
+        let (named, bare) = (strokes(curves), strokes(bare));
+        let own: Vec<Vec2> = named.iter().filter(|s| !bare.contains(s)).flatten().copied().collect();
+        // Beside the cross, not on it, and on the part.
+        assert!(!own.is_empty() && own.iter().all(|p| (p - at).amax() > 0.5 && (p - at).norm() < 25.0), "{own:?}");
+        assert!(own.iter().all(|p| p.x > 0.0 && p.x < 100.0 && p.y > 0.0 && p.y < 100.0));
+    }
+
+    #[test]
+    fn lines_below_a_long_name_can_be_read() {
+        let found = stacked("MMP_01.00.00.002 Cover flange", &["SEEN FROM OUTSIDE", "601 X 119 MM"], 45.0, false);
+        assert!(found[0].1 < 6.0 && found.iter().all(|l| l.1 >= LEAST_NAME), "{found:?}");
+        // Below a name that cannot be read they are as high as that.
+        let tiny = stacked("B-12", &["SEEN FROM OUTSIDE"], 1.0, false);
+        assert!(tiny[1].1 <= tiny[0].1 && tiny[0].1 < LEAST_NAME, "{tiny:?}");
+    }
 
     fn square(name: &str) -> Pattern {
         let corner = |x, y| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };

@@ -48,7 +48,7 @@ pub(crate) fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_err
             let turn = |v: Vec2| Vec2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
             let place = |p: Vec2| turn(p) + offset;
             let points = |c: &Contour| contour_points(c, chord_error).into_iter().map(place).collect();
-            let line = |l: &MarkLine| l.points.iter().map(|p| place(*p)).collect();
+            let line = |l: &MarkLine| line_points(l, chord_error).into_iter().map(place).collect();
             let outlines: Vec<Vec<Vec2>> = pattern.contours.iter().map(points).collect();
             let (label, room) = roomy_place(&outlines);
             FlatPiece {
@@ -96,6 +96,15 @@ pub(crate) fn contour_points(contour: &Contour, chord_error: f64) -> Vec<Vec2> {
             let (sin, cos) = (sweep * k as f64 / count as f64).sin_cos();
             points.push(centre + Vec2::new(cos * spoke.x - sin * spoke.y, sin * spoke.x + cos * spoke.y));
         }
+    }
+    points
+}
+
+/// Points of a line from its first to its last one, or to the first again of a closed one, arcs cut into chords as of contours.
+pub(crate) fn line_points(line: &MarkLine, chord_error: f64) -> Vec<Vec2> {
+    let mut points = contour_points(&line.contour(), chord_error);
+    if line.closed {
+        points.extend(points.first().copied());
     }
     points
 }

@@ -50,6 +50,11 @@ impl Labels {
         Self { lines, ..Self::default() }
     }
 
+    /// Keeps a box, by its corners, free of all that comes later.
+    pub fn take(&mut self, corners: [Vec2; 4]) {
+        self.boxes.push(corners);
+    }
+
     /// Puts a text at the first free place; whether there was one.
     pub fn put(&mut self, text: &str, places: impl IntoIterator<Item = TextPlace>) -> bool {
         let Some(place) = places.into_iter().find(|p| self.is_free(&corners(text, p))) else { return false };
@@ -158,6 +163,14 @@ mod tests {
         assert!(l.strokes.iter().flatten().all(|p| p.x > 0.0));
         assert!(!l.put("S1.3", [at(0.0, 5.0, Vec2::x()), at(31.0, 1.0, Vec2::y())]));
         assert_eq!(l.strokes.len(), before);
+    }
+
+    #[test]
+    fn what_is_taken_is_taken_inside_too() {
+        let ring = |half: f64| [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec2::new(x, y) * half);
+        let mut l = Labels::default();
+        l.take(ring(20.0));
+        assert!(!l.is_box_clear(&ring(1.0)) && !l.is_line_clear(&[Vec2::zeros(), Vec2::x()]));
     }
 
     #[test]

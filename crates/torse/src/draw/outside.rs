@@ -41,7 +41,7 @@ pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Opt
     let extents: Vec<[Vec2; 2]> = outlines.iter().map(|o| extent(o)).collect();
     let longest = extents.iter().map(|[low, high]| (high - low).max()).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let height = (HEIGHT_SHARE * longest).clamp(HEIGHT.0, HEIGHT.1);
-    let mut drawing = NamedDrawing { outlines, extents, taken: Vec::new(), height, longest };
+    let mut drawing = NamedDrawing { outlines, extents, leaders: Vec::new(), blocks: Vec::new(), height, longest };
     unnamed.iter().map(|u| drawing.put(u)).collect()
 }
 
@@ -49,8 +49,10 @@ pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Opt
 struct NamedDrawing<'a> {
     outlines: &'a [Vec<Vec<Vec2>>],
     extents: Vec<[Vec2; 2]>,
-    /// Names put so far, with the lines to them: sides of what later ones keep off.
-    taken: Vec<[Vec2; 2]>,
+    /// Lines to the names put so far, and the boxes of these: what later ones keep off, and out of.
+    leaders: Vec<[Vec2; 2]>,
+    /// See `leaders`.
+    blocks: Vec<[Vec2; 4]>,
     height: f64,
     longest: f64,
 }
@@ -73,9 +75,8 @@ impl NamedDrawing<'_> {
             let reach = half * 2.0 + Vec2::repeat(away + self.height);
             let near = self.near(part, reach);
             if let Some((middle, leader)) = self.free(&feet, half, away, &near) {
-                self.taken.push(leader);
-                let ring = corners(middle, half);
-                self.taken.extend((0..4).map(|k| [ring[k], ring[(k + 1) % 4]]));
+                self.leaders.push(leader);
+                self.blocks.push(corners(middle, half));
                 return Some(written(lines, middle, (tall, self.height), leader));
             }
             away *= AWAY.1;
@@ -94,8 +95,10 @@ impl NamedDrawing<'_> {
         let parts: Vec<usize> = (0..self.outlines.len()).filter(|&k| meets(&self.extents[k])).collect();
         let sides = parts.iter().flat_map(|&k| &self.outlines[k]);
         let sides = sides.flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
-        let lines = sides.chain(self.taken.iter().copied()).filter(meets).collect();
-        (Labels::new(lines), parts)
+        let lines = sides.chain(self.leaders.iter().copied()).filter(meets).collect();
+        let mut labels = Labels::new(lines);
+        self.blocks.iter().filter(|b| meets(&[b[0], b[2]])).for_each(|b| labels.take(*b));
+        (labels, parts)
     }
 
     /// The first free place of words of half the size `half` at a distance from the outline, and the line to it.
@@ -227,6 +230,28 @@ mod tests {
                 assert!(high.y - low.y > 5.0 && high.x - low.x > 10.0);
             }
             assert!(piece.text.iter().flatten().all(|p| p.x >= d.min.x && p.x <= d.max.x && p.y >= d.min.y));
+        }
+    }
+
+    #[test]
+    fn names_without_their_lines_stand_in_no_other_block() {
+        // Small parts so close that not all have room for every line.
+        let square = |k: usize| {
+            let corner = Vec2::new(19.0 * (k % 4) as f64, 16.0 * (k / 4) as f64);
+            vec![[(0., 0.), (12., 0.), (12., 12.), (0., 12.)].map(|(x, y)| corner + Vec2::new(x, y)).to_vec()]
+        };
+        let outlines: Vec<Vec<Vec<Vec2>>> = (0..16).map(square).collect();
+        let lines =
+            |k: usize| ["", " OF A MODEL", " SEEN FROM OUTSIDE", " 12.0 X 12.0 MM"].map(|l| format!("{k}{l}")).to_vec();
+        let unnamed: Vec<Unnamed> = (0..16).map(|part| Unnamed { part, lines: lines(part) }).collect();
+        let found = names(&unnamed, &outlines);
+        // The last stroke is the line to the name.
+        let boxed = |s: &Vec<Vec<Vec2>>| extent(&s[..s.len() - 1]);
+        let boxes: Vec<[Vec2; 2]> = found.iter().flatten().map(boxed).collect();
+        let meet = |[a, b]: &[Vec2; 2], [c, d]: &[Vec2; 2]| a.x <= d.x && c.x <= b.x && a.y <= d.y && c.y <= b.y;
+        assert!(boxes.len() > 8);
+        for (k, one) in boxes.iter().enumerate() {
+            assert!(!boxes[..k].iter().any(|other| meet(one, other)), "{k} {boxes:?}");
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
-use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenJoint, WrittenPiece};
+use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenJoint, WrittenLine, WrittenPiece};
 
 /// Pieces of a DXF drawing; an outer outline begins a piece.
 ///
@@ -105,19 +105,7 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
             Ok(())
         }
         ("LWPOLYLINE", "CUT_OUTER" | "CUT_INNER" | "FORMED") => {
-            let mut joints: Vec<WrittenJoint> = Vec::new();
-            for (code, value) in groups {
-                match (code, joints.last_mut()) {
-                    (10, _) => joints
-                        .push(WrittenJoint { point: Vec2::new(number(value)?, f64::NAN), arc: WrittenArc::Bulge(0.0) }),
-                    (20, Some(j)) => j.point.y = number(value)?,
-                    (42, Some(j)) => j.arc = WrittenArc::Bulge(number(value)?),
-                    _ => {}
-                }
-            }
-            if joints.iter().any(|j| j.point.y.is_nan()) {
-                return Err(fault("a vertex has no second coordinate"));
-            }
+            let joints = joints(groups, &number, &fault)?;
             if text(70) != "1" || text(90) != joints.len().to_string() {
                 return Err(fault("the outline is not closed, or its vertices are not counted"));
             }
@@ -129,17 +117,25 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
             contours.push(WrittenContour::Joints(joints));
             Ok(())
         }
-        ("LWPOLYLINE", "MARK_SECTION" | "MARK_CURVE") => {
-            let of = |code: u32| groups.iter().filter(move |g| g.0 == code);
-            let points: Result<Vec<Vec2>, String> =
-                of(10).zip(of(20)).map(|(x, y)| Ok(Vec2::new(number(x.1)?, number(y.1)?))).collect();
-            let points = points?;
-            let whole = points.len() > 1 && text(90) == points.len().to_string();
-            if text(70) != "0" || !whole || groups.iter().any(|g| g.0 == 42) {
-                return Err(fault("the marked line is closed or bent, or its corners are not counted"));
-            }
+        ("LWPOLYLINE" | "LINE" | "CIRCLE", "MARK_SECTION" | "MARK_CURVE") => {
+            let at = |code: u32| -> Result<Vec2, String> { Ok(Vec2::new(number(text(code))?, number(text(code + 10))?)) };
+            let joint = |point: Vec2| WrittenJoint { point, arc: WrittenArc::Bulge(0.0) };
+            let (line, closed) = match kind {
+                "CIRCLE" => (WrittenContour::Circle { centre: at(10)?, radius: number(text(40))? }, true),
+                "LINE" => (WrittenContour::Joints(vec![joint(at(10)?), joint(at(11)?)]), false),
+                _ => {
+                    let joints = joints(groups, &number, &fault)?;
+                    let bent = joints.last().is_some_and(|j| j.arc != WrittenArc::Bulge(0.0));
+                    let closed = text(70) == "1";
+                    if joints.len() < 2 || text(90) != joints.len().to_string() || (bent && !closed) {
+                        return Err(fault("the marked line goes on behind its end, or its joints are not counted"));
+                    }
+                    (WrittenContour::Joints(joints), closed)
+                }
+            };
             let piece = out.last_mut().ok_or_else(|| fault("a marked line comes before its outline"))?;
-            if layer == "MARK_CURVE" { &mut piece.curves } else { &mut piece.sections }.push(points);
+            let lines = if layer == "MARK_CURVE" { &mut piece.curves } else { &mut piece.sections };
+            lines.push(WrittenLine { line, closed });
             Ok(())
         }
         ("LINE", "BEND_UP" | "BEND_DOWN" | "RULING" | "BEND_EXTENT" | "MARK") => {
@@ -169,6 +165,29 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
              bend lines cannot be told apart",
         )),
     }
+}
+
+/// The joints of a polyline.
+fn joints(
+    groups: &[(u32, &str)],
+    number: &dyn Fn(&str) -> Result<f64, String>,
+    fault: &dyn Fn(&str) -> String,
+) -> Result<Vec<WrittenJoint>, String> {
+    let mut joints: Vec<WrittenJoint> = Vec::new();
+    for (code, value) in groups {
+        match (code, joints.last_mut()) {
+            (10, _) => {
+                joints.push(WrittenJoint { point: Vec2::new(number(value)?, f64::NAN), arc: WrittenArc::Bulge(0.0) })
+            }
+            (20, Some(j)) => j.point.y = number(value)?,
+            (42, Some(j)) => j.arc = WrittenArc::Bulge(number(value)?),
+            _ => {}
+        }
+    }
+    if joints.iter().any(|j| j.point.y.is_nan()) {
+        return Err(fault("a vertex has no second coordinate"));
+    }
+    Ok(joints)
 }
 
 /// Pieces of an SVG drawing; a group whose name begins with `panel-` is a piece.
@@ -224,12 +243,13 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
                     });
                 }
                 "mark-section" | "mark-curve" => {
-                    let joints = path(d)?;
-                    if joints.len() < 2 || joints.iter().any(|j| j.arc != WrittenArc::Bulge(0.0)) {
-                        return Err(format!("'{}' is not an open line", d.chars().take(30).collect::<String>()));
+                    let closed = d.ends_with('Z');
+                    let line = if closed { self::closed(path(d)?, d)? } else { WrittenContour::Joints(path(d)?) };
+                    if matches!(&line, WrittenContour::Joints(joints) if joints.len() < 2) {
+                        return Err(format!("'{}' is not a line", d.chars().take(30).collect::<String>()));
                     }
                     let lines = if class == "mark-curve" { &mut piece.curves } else { &mut piece.sections };
-                    lines.push(joints.into_iter().map(|j| j.point).collect());
+                    lines.push(WrittenLine { line, closed });
                 }
                 "marks" => piece.marks.push(line()?),
                 "text" => {}
@@ -336,11 +356,23 @@ mod tests {
         use crate::patchwork::pattern::{Contour, ContourVertex, MarkLine, Pattern};
         let corner = |x: f64, y: f64| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };
         let square = vec![corner(0., 0.), corner(200., 0.), corner(200., 90.), corner(0., 90.)];
-        let line = [(50.0, 0.0), (60.0, 40.0), (55.0, 90.0)].map(|(x, y)| Vec2::new(x, y)).to_vec();
+        let line = [(50.0, 0.0), (60.0, 40.0), (55.0, 90.0)].map(|(x, y)| Vec2::new(x, y));
+        let joint = |x: f64, y: f64, bulge: f64| ContourVertex { bulge, ..corner(x, y) };
+        let marked = |joints: Vec<ContourVertex>, closed: bool| MarkLine { joints, closed, ..MarkLine::default() };
+        let bent = MarkLine::straight("X 500", &line);
+        let bent =
+            MarkLine { joints: bent.joints.iter().map(|j| ContourVertex { bulge: 0.1, ..*j }).collect(), ..bent };
+        let mut bent = bent;
+        bent.joints[2].bulge = 0.0;
         let pattern = Pattern {
             name: "A".into(),
             contours: vec![Contour { vertices: square }],
-            sections: vec![MarkLine { label: "X 500".into(), points: line }],
+            sections: vec![bent],
+            curves: vec![
+                MarkLine::straight("", &[Vec2::new(90.0, 10.0), Vec2::new(120.0, 20.0)]),
+                marked(vec![joint(130.0, 20.0, 1.0), joint(140.0, 20.0, 1.0)], true),
+                marked(vec![joint(150.0, 20.0, -0.3), joint(160.0, 25.0, 0.0), joint(150.0, 40.0, 0.2)], true),
+            ],
             area: 18_000.0,
             length: 200.0,
             width: 90.0,
@@ -354,20 +386,37 @@ mod tests {
             let found = compared(std::slice::from_ref(&pattern), &pieces);
             assert!(found.reason().is_none() && found.bound() < 1e-5, "{:?} {}", found.reason(), found.bound());
             let mut other = pattern.clone();
-            other.sections[0].points[1].x += 0.5;
-            assert!((compared(&[other.clone()], &pieces).bound() - 0.5).abs() < 1e-5);
+            other.sections[0].joints[1].point.x += 0.5;
+            let off = compared(&[other.clone()], &pieces).bound();
+            assert!((0.5..0.6).contains(&off), "{off}");
+            let mut flatter = pattern.clone();
+            flatter.sections[0].joints[0].bulge = 0.05;
+            // Half of the chord times what the bulge is off.
+            assert!((compared(&[flatter], &pieces).bound() - 0.5 * 0.05 * 10.0_f64.hypot(40.0)).abs() < 1e-4);
+            let mut wider = pattern.clone();
+            wider.curves[1].joints[1].point.x += 0.4;
+            assert!(compared(&[wider], &pieces).bound() >= 0.2);
+            let mut open = pattern.clone();
+            open.curves[2].closed = false;
+            assert!(compared(&[open], &pieces).reason().is_some());
             other.sections.clear();
             let cut = compared(&[other], &pieces);
             assert!(why(cut.reason().expect("a reason")).contains("sections"));
         }
         // Without its label the drawing has fewer strokes; a closed section is none.
-        let bare = Pattern { sections: Vec::new(), ..pattern };
+        let bare = Pattern { sections: Vec::new(), ..pattern.clone() };
         let bare = drawing(&[bare], &[], &[], &DrawingOptions::default());
         assert!(bare.pieces[0].text.len() + 4 <= drawn.pieces[0].text.len());
         let text = String::from_utf8(a).expect("text");
+        // A circle, a line, and polylines of lines and arcs; one that was closed by hand is another line.
+        let entities =
+            |kind: &str, layer: &str| text.split("  0\n").filter(|e| e.starts_with(kind) && e.contains(layer)).count();
+        let counts = ["CIRCLE", "LINE", "LWPOLYLINE"].map(|k| entities(k, "MARK_CURVE"));
+        assert_eq!((counts, entities("LWPOLYLINE", "MARK_SECTION")), ([1, 1, 1], 1));
         let at = text.rfind("MARK_SECTION").expect("a section");
         let closed = text[..at].to_owned() + &text[at..].replacen(" 70\n     0\n", " 70\n     1\n", 1);
-        assert!(dxf(closed.as_bytes()).expect_err("closed").contains("closed"));
+        let closed = dxf(closed.as_bytes()).expect("a drawing");
+        assert!(compared(std::slice::from_ref(&pattern), &closed).reason().is_some());
     }
 
     #[test]

@@ -2,8 +2,8 @@
 //!
 //! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `BEND_UP`,
 //! `BEND_DOWN` and, where the sheet stays flat, `RULING`, lines where bends begin and end on `BEND_EXTENT`, outlines of formed
-//! features on `FORMED`, holes that are circles as CIRCLEs, matching marks LINEs on `MARK`, sections with planes open LWPOLYLINEs on
-//! `MARK_SECTION`, curves of the model that lie on the part on `MARK_CURVE`, names and labels strokes on
+//! features on `FORMED`, holes that are circles as CIRCLEs, matching marks LINEs on `MARK`, sections with planes LINEs, CIRCLEs and
+//! LWPOLYLINEs of lines and arcs on `MARK_SECTION`, curves of the model that lie on the part on `MARK_CURVE`, names and labels strokes on
 //! `TEXT`, a square by which the scale is seen on `SCALE_CHECK`; parts that must not be cut are wholly on `NOT_CERTIFIED`,
 //! with these words across them. There is no live text that a cutter's program could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
 //! strict readers ask for are all there, with handles and owners.
@@ -14,7 +14,7 @@ use std::io;
 use crate::draw::drawing::Drawing;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::{BendSense, Contour};
+use crate::patchwork::pattern::{BendSense, Contour, MarkLine};
 
 /// Layers and their colours (AutoCAD colour index).
 const LAYERS: [(&str, u8); 13] = [
@@ -106,10 +106,10 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
             body.line(on(MARK), a, b);
         }
         for line in &piece.sections {
-            body.polyline(on(SECTION), false, line.iter().map(|p| (*p, 0.0)));
+            body.marked(on(SECTION), line);
         }
         for line in &piece.curves {
-            body.polyline(on(CURVE), false, line.iter().map(|p| (*p, 0.0)));
+            body.marked(on(CURVE), line);
         }
         for stroke in &piece.text {
             body.polyline(on(TEXT), false, stroke.iter().map(|p| (*p, 0.0)));
@@ -251,6 +251,15 @@ impl Pairs {
             return;
         }
         self.polyline(layer, true, c.vertices.iter().map(|v| (v.point, v.bulge)));
+    }
+
+    /// Lines that are straight or circles as such.
+    fn marked(&mut self, layer: &str, line: &MarkLine) {
+        match &line.joints[..] {
+            _ if line.closed => self.contour(layer, &line.contour()),
+            [a, b] if a.bulge == 0.0 => self.line(layer, &a.point, &b.point),
+            joints => self.polyline(layer, false, joints.iter().map(|j| (j.point, j.bulge))),
+        }
     }
 
     fn polyline(&mut self, layer: &str, closed: bool, vertices: impl ExactSizeIterator<Item = (Vec2, f64)>) {

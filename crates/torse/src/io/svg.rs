@@ -12,7 +12,7 @@ use crate::draw::drawing::{Drawing, Piece};
 use crate::draw::scene::titled;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::{BendSense, Contour};
+use crate::patchwork::pattern::{BendSense, Contour, ContourVertex};
 
 /// White border around the drawing, mm.
 const MARGIN: f64 = 10.0;
@@ -130,8 +130,8 @@ impl Document {
         let text = if text.is_empty() { Vec::new() } else { vec![text] };
         let extents = piece.extents.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         let formed = piece.formed.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
-        let sections = piece.sections.iter().map(|l| self.open(l)).collect::<Vec<_>>();
-        let curves = piece.curves.iter().map(|l| self.open(l)).collect::<Vec<_>>();
+        let sections = piece.sections.iter().map(|l| self.path(&l.joints, l.closed)).collect::<Vec<_>>();
+        let curves = piece.curves.iter().map(|l| self.path(&l.joints, l.closed)).collect::<Vec<_>>();
         let groups = [outer, inner, up, down, rulings, extents, formed, sections, curves, marks, text];
         let groups: Vec<_> = if piece.marked {
             vec![(NOT_CERTIFIED, groups.concat())]
@@ -164,15 +164,17 @@ impl Document {
     }
 
     fn contour(&mut self, c: &Contour) -> String {
-        let mut d = String::new();
-        for (i, v) in c.vertices.iter().enumerate() {
-            if i == 0 {
-                d = format!("M{}", self.point(&v.point));
-            }
-            let next = &c.vertices[(i + 1) % c.vertices.len()].point;
+        self.path(&c.vertices, true)
+    }
+
+    /// Lines and arcs from joint to joint, and of a closed one from the last to the first.
+    fn path(&mut self, joints: &[ContourVertex], closed: bool) -> String {
+        let mut d = joints.first().map_or_else(String::new, |v| format!("M{}", self.point(&v.point)));
+        for (i, v) in joints.iter().enumerate().take(joints.len() - usize::from(!closed && !joints.is_empty())) {
+            let next = &joints[(i + 1) % joints.len()].point;
             let end = self.point(next);
             if v.bulge == 0.0 {
-                if i + 1 < c.vertices.len() {
+                if i + 1 < joints.len() {
                     _ = write!(d, "L{end}");
                 }
                 continue;
@@ -184,7 +186,9 @@ impl Document {
             // Sweep 1 runs clockwise in drawings with y up.
             _ = write!(d, "A{radius} {radius} 0 {} {} {end}", u8::from(b > 1.0), u8::from(v.bulge < 0.0));
         }
-        d.push('Z');
+        if closed {
+            d.push('Z');
+        }
         d
     }
 }
@@ -207,7 +211,6 @@ fn escaped(s: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::patchwork::pattern::ContourVertex;
 
     fn vertex(x: f64, y: f64, bulge: f64) -> ContourVertex {
         ContourVertex { point: Vec2::new(x, y), bulge, corner: true }

@@ -159,8 +159,39 @@ impl Placement {
 pub struct MarkLine {
     /// Label beside it ("FR 12", "x=1200mm"); empty for none.
     pub label: String,
-    /// Corners of the line, at least two.
-    pub points: Vec<Vec2>,
+    /// Joints of its lines and arcs in order, at least two.
+    pub joints: Vec<ContourVertex>,
+    /// Whether the last joint is joined to the first; where it is not, its bulge is 0.
+    pub closed: bool,
+}
+
+impl MarkLine {
+    /// Straight lines from corner to corner.
+    pub fn straight(label: &str, corners: &[Vec2]) -> Self {
+        let joint = |p: &Vec2| ContourVertex { point: *p, bulge: 0.0, corner: true };
+        Self { label: label.into(), joints: corners.iter().map(joint).collect(), closed: false }
+    }
+
+    /// Its lines and arcs as a contour; of one that is open the line from its end to its beginning is one of these.
+    pub fn contour(&self) -> Contour {
+        Contour { vertices: self.joints.clone() }
+    }
+
+    /// The same line, its joints moved by a map that keeps shapes, or mirrors them.
+    pub fn moved(&self, map: impl Fn(&Vec2) -> Vec2, mirrored: bool) -> Self {
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        let joint = |j: &ContourVertex| ContourVertex { point: map(&j.point), bulge: sign * j.bulge, ..*j };
+        Self { joints: self.joints.iter().map(joint).collect(), ..self.clone() }
+    }
+
+    /// The same line, run through the other way.
+    pub fn reversed(&self) -> Self {
+        let (v, n) = (&self.joints, self.joints.len());
+        // Of an open line nothing leaves the last joint; of a closed one what came to the first one.
+        let bulge = |k: usize| if k > 0 || self.closed { -v[(k + n - 1) % n].bulge } else { 0.0 };
+        let joints = (0..n).rev().map(|k| ContourVertex { bulge: bulge(k), ..v[k] }).collect();
+        Self { joints, ..self.clone() }
+    }
 }
 
 /// A developed panel.
@@ -250,7 +281,7 @@ impl Pattern {
             };
             Bend { sense, turned: -b.turned, ..*b }
         };
-        let line = |s: &MarkLine| MarkLine { points: s.points.iter().map(flip).collect(), ..s.clone() };
+        let line = |s: &MarkLine| s.moved(flip, true);
         let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), ..m.clone() };
         Self {
             contours: self.contours.iter().map(contour).collect(),

@@ -167,9 +167,9 @@ pub struct WrittenPiece {
     /// Outlines of formed features.
     pub formed: Vec<WrittenContour>,
     /// Lines in which planes cut the part.
-    pub sections: Vec<Vec<Vec2>>,
+    pub sections: Vec<WrittenLine>,
     /// Curves of the model that lie on the part.
-    pub curves: Vec<Vec<Vec2>>,
+    pub curves: Vec<WrittenLine>,
     /// Matching marks, from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
 }
@@ -177,13 +177,22 @@ pub struct WrittenPiece {
 impl WrittenPiece {
     /// Every place that the file names.
     pub fn points(&self) -> impl Iterator<Item = &Vec2> {
-        let outlines = self.contours.iter().chain(&self.formed).flat_map(|c| match c {
+        let marked = self.sections.iter().chain(&self.curves).map(|l| &l.line);
+        let outlines = self.contours.iter().chain(&self.formed).chain(marked).flat_map(|c| match c {
             WrittenContour::Joints(joints) => joints.iter().map(|j| &j.point).collect(),
             WrittenContour::Circle { centre, .. } => vec![centre],
         });
-        let lines = self.rulings.iter().chain(&self.extents).chain(&self.marks).flatten();
-        outlines.chain(lines).chain(self.sections.iter().chain(&self.curves).flatten())
+        outlines.chain(self.rulings.iter().chain(&self.extents).chain(&self.marks).flatten())
     }
+}
+
+/// A marked line of a drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenLine {
+    /// Its lines and arcs; nothing leaves the last joint of an open one.
+    pub line: WrittenContour,
+    /// Whether it is closed.
+    pub closed: bool,
 }
 
 /// How files state an outline.

@@ -109,9 +109,9 @@ pub enum Panels {
     Strips(HashMap<String, PanelPatch>),
 }
 
-/// Share of a result's tolerance that chords of the trims of its panels may keep from these: the distance that is proven counts them
-/// twice.
-const CHORDS: f64 = 0.1;
+/// Share of a result's tolerance that chords of the trims of its panels may keep from these at the places where readers look: the
+/// distance that is proven counts them twice, and what is between these places.
+const CHORDS: f64 = 0.02;
 
 /// Reads the panels of a result, with its tolerance (mm).
 ///

@@ -19,7 +19,7 @@ use crate::geom::Vec2;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
-use crate::torse::ribbon::{Ribbon, Span};
+use crate::torse::ribbon::{Ribbon, Span, Spot};
 use nalgebra::Matrix2;
 use rayon::prelude::*;
 use shares::{shares, Share, ON_RULING};
@@ -210,8 +210,9 @@ impl Tip {
 
 /// Share of the size of a part within which rulings meet in one point, and least way around it.
 const ONE_POINT: f64 = 1e-6;
-/// Way around a tip, in lengths of what a panel leaves of it.
-const ROOM: f64 = 1.5;
+/// Way around a tip, in lengths of what a panel leaves of it: that the line goes around it counts once as distance from the outline, and
+/// what it is farther off than the panel as distance from its border.
+const ROOM: f64 = 1.1;
 
 /// A place on a ribbon, and on the drawing.
 type Seen = (f64, f64, Vec2);
@@ -251,7 +252,7 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Pi
     let split = tip.and_then(|tip| Some((tip, tip.split(polygon)?)));
     let corners = split.as_ref().map_or(polygon, |s| &s.1 .0);
     let spots: Vec<Seen> = corners
-        .iter()
+        .par_iter()
         .map(|q| {
             let spot = ribbon.locate(q)?;
             let beyond = (-spot.t).max(spot.t - end).max(0.0);
@@ -305,7 +306,9 @@ const REACHES: f64 = 1e-3;
 fn reaching(ribbon: Ribbon, loops: &[Vec<Vec2>], most: f64) -> Ribbon {
     let end = ribbon.end();
     let mut beyond = [0.0_f64; 2];
-    for spot in loops.iter().flatten().filter_map(|q| ribbon.locate(q)) {
+    let places: Vec<&Vec2> = loops.iter().flatten().collect();
+    let spots: Vec<Spot> = places.into_par_iter().filter_map(|q| ribbon.locate(q)).collect();
+    for spot in spots {
         let rates = &ribbon.span(spot.t).0.in_plane;
         let over = [-spot.t, spot.t - end];
         for (all, x) in beyond.iter_mut().zip(over) {
@@ -436,7 +439,7 @@ fn assessed(
         return Err(NotRefolded::Stopped);
     }
     let (surface, borders, chords) = (&panel.surface, &panel.loops[..], part.chords);
-    Ok(distance(&Stretch { spans, places, lines: matched, surface, borders, chords })?)
+    Ok(distance(&Stretch { spans, places, lines: matched, surface, borders, chords }, control)?)
 }
 
 /// Share of a piece within which a corner of the border is at its end.
@@ -477,15 +480,16 @@ fn beside(
     line: Vec<Piece>,
     border: &[Vec2],
     metric: &Metric,
-    on_patch: &impl Fn(&Piece, [f64; 2]) -> Vec2,
+    on_patch: &(impl Fn(&Piece, [f64; 2]) -> Vec2 + Sync),
 ) -> Vec<Piece> {
     let (n, corners) = (line.len(), border.len() as f64);
     let place = |q: Vec2| nearest(border, &q, &metric.at(&q)).0;
     let mut at = vec![place(on_patch(&line[0], line[0].ends[0]))];
-    for p in &line {
+    let behind: Vec<f64> = line.par_iter().map(|p| place(on_patch(p, p.ends[1]))).collect();
+    for here in behind {
         let last = at[at.len() - 1];
         // The shorter way.
-        let step = (place(on_patch(p, p.ends[1])) - last).rem_euclid(corners);
+        let step = (here - last).rem_euclid(corners);
         at.push(last + if step > 0.5 * corners { step - corners } else { step });
     }
     let share = |p: &Piece, corner: f64| {

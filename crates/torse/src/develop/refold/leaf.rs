@@ -11,7 +11,7 @@ const BESIDE: f64 = 1e-6;
 const APART: f64 = 1e-2;
 
 /// A part of the flat sheet with its place in space: a region of a ribbon.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Leaf {
     /// The rulings.
     pub ribbon: Ribbon,

@@ -7,7 +7,7 @@
 //! `d G(t)` with `G' = (n'·b) b`: a quadrature. Outlines are moved point by point and fitted anew by lines and arcs.
 
 use super::laid::Laid;
-use crate::develop::arcs::{arcs, rectangle_around, PlaneCurve};
+use crate::develop::arcs::{arcs, rectangle_around, ArcPiece, PlaneCurve};
 use crate::develop::unfold::outline::contour_area;
 use crate::geom::Vec2;
 use crate::num::quadrature::GAUSS_4;
@@ -187,29 +187,34 @@ pub(crate) fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tole
     let towards = if pattern.view == ViewSide::Outside { distance } else { -distance };
     let moves = Moves::new(laid);
     let shift = |q: &Vec2| moves.at(q) * towards;
-    let mut error = 0.0_f64;
-    let contours: Vec<Contour> = pattern
+    let moved = |runs: &[Vec<(Vec2, Vec2, f64)>]| -> (Vec<ContourVertex>, f64) {
+        let (mut vertices, mut error) = (Vec::new(), 0.0_f64);
+        for run in runs {
+            let (pieces, off) = arcs(&MovedStretch::of(run, &shift), tolerance);
+            error = error.max(off);
+            let vertex = |(k, p): (usize, &ArcPiece)| ContourVertex { point: p.point, bulge: p.bulge, corner: k == 0 };
+            vertices.extend(pieces.iter().enumerate().map(vertex));
+        }
+        (vertices, error)
+    };
+    let (contours, errors): (Vec<Contour>, Vec<f64>) = pattern
         .contours
         .iter()
-        .map(|c| {
-            let mut vertices = Vec::new();
-            for run in runs(c) {
-                let (pieces, off) = arcs(&MovedStretch::of(&run, &shift), tolerance);
-                error = error.max(off);
-                vertices.extend(pieces.iter().enumerate().map(|(k, p)| ContourVertex {
-                    point: p.point,
-                    bulge: p.bulge,
-                    corner: k == 0,
-                }));
-            }
-            Contour { vertices }
-        })
-        .collect();
+        .map(|c| moved(&runs(&c.vertices, true)))
+        .map(|(vertices, off)| (Contour { vertices }, off))
+        .unzip();
+    let error = errors.into_iter().fold(0.0, f64::max);
     let line = |[a, b]: &[Vec2; 2]| {
         let d = shift(&((a + b) * 0.5));
         [a + d, b + d]
     };
-    let marked = |s: &MarkLine| MarkLine { points: s.points.iter().map(|p| p + shift(p)).collect(), ..s.clone() };
+    let marked = |s: &MarkLine| {
+        let mut joints = moved(&runs(&s.joints, s.closed)).0;
+        // An open line has a last joint that nothing leaves.
+        let last = s.joints.last().filter(|_| !s.closed);
+        joints.extend(last.map(|j| ContourVertex { point: j.point + shift(&j.point), ..*j }));
+        MarkLine { joints, ..s.clone() }
+    };
     let rectangle = rectangle_around(&contours);
     Pattern {
         area: contours.iter().map(contour_area).sum(),
@@ -227,12 +232,11 @@ pub(crate) fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tole
     }
 }
 
-/// Lines and arcs of a contour from corner to corner; of one without corners, from its first joint.
-fn runs(contour: &Contour) -> Vec<Vec<(Vec2, Vec2, f64)>> {
-    let v = &contour.vertices;
-    let first = v.iter().position(|v| v.corner).unwrap_or(0);
+/// Lines and arcs between joints from corner to corner; of a closed contour without corners, from its first joint.
+fn runs(v: &[ContourVertex], closed: bool) -> Vec<Vec<(Vec2, Vec2, f64)>> {
+    let first = v.iter().position(|v| v.corner).filter(|_| closed).unwrap_or(0);
     let mut out: Vec<Vec<(Vec2, Vec2, f64)>> = Vec::new();
-    for k in 0..v.len() {
+    for k in 0..v.len() - usize::from(!closed && !v.is_empty()) {
         let (a, b) = (&v[(first + k) % v.len()], &v[(first + k + 1) % v.len()]);
         if a.point == b.point {
             continue;

@@ -7,7 +7,8 @@
 
 use super::laid::{Laid, Spot};
 use super::roll::outlines;
-use crate::develop::refold::drawn::{distance, foot, inside, sides};
+use crate::develop::marked::marked;
+use crate::develop::refold::drawn::{distance, inside, sides};
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::pattern::{MarkLine, Pattern};
 
@@ -28,11 +29,14 @@ const DEEPEST: usize = 40;
 const MOST: usize = 4000;
 /// Steps by which a ruling is found whose end lies in the plane.
 const STEPS: usize = 80;
+/// Distance of the lines and arcs drawn for a section from its chords, against that of these from the section: arcs are told from
+/// chords by their middles.
+const FITTED: f64 = 4.0;
 /// Share of the part's size below which ends of stretches are one place, and lines are too short to be drawn.
 const SAME: f64 = 1e-7;
 
-/// Lines in which planes cut a part, inside its outline, in the order of the planes; chords keep within `tolerance` (mm) of
-/// the section, as far as the middle of every chord tells.
+/// Lines in which planes cut a part, inside its outline, in the order of the planes. Chords keep within `tolerance` (mm) of
+/// the section, as far as three places of every chord tell, lines and arcs within four times that of these.
 pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], tolerance: f64) -> Vec<MarkLine> {
     let loops = outlines(pattern, laid.size());
     let mut out = Vec::new();
@@ -53,8 +57,7 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
             middles.chain(l.iter().copied()).any(|p| distance(&loops, &p) > edge)
         };
         lines.retain(|l| long(l) && beside(l));
-        let line = |l: Vec<Vec2>| MarkLine { label: plane.label.clone(), points: simplified(&l, 0.5 * tolerance) };
-        out.extend(lines.into_iter().map(line));
+        out.extend(lines.iter().map(|l| marked(&plane.label, l, FITTED * tolerance).0));
     }
     out
 }
@@ -171,21 +174,6 @@ fn join(lines: &mut Vec<Vec<Vec2>>, mut line: Vec<Vec2>, same: f64) {
     lines.push(line);
 }
 
-/// The line with as few of its corners as keep within a distance (mm) of all of them, by halving at the farthest one.
-pub(in crate::develop) fn simplified(line: &[Vec2], tolerance: f64) -> Vec<Vec2> {
-    let mut kept = vec![false; line.len()];
-    let mut open = vec![(0, line.len() - 1)];
-    while let Some((a, b)) = open.pop() {
-        (kept[a], kept[b]) = (true, true);
-        let off = |k: &usize| (line[*k] - foot(&line[a], &line[b], &line[*k])).norm();
-        let farthest = (a + 1..b).max_by(|j, k| off(j).total_cmp(&off(k)));
-        if let Some(k) = farthest.filter(|k| off(k) > tolerance) {
-            open.extend([(a, k), (k, b)]);
-        }
-    }
-    line.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| *p).collect()
-}
-
 /// The stretches of a line inside polygons.
 pub(in crate::develop) fn clipped(line: &[Vec2], loops: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
     let mut out: Vec<Vec<Vec2>> = Vec::new();
@@ -225,7 +213,13 @@ pub(in crate::develop) fn clipped(line: &[Vec2], loops: &[Vec<Vec2>]) -> Vec<Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::develop::arcs::points_along;
     use crate::develop::shop::specimens::{cone, cylinder, part_of, pattern_of};
+
+    /// Length of a line of straight pieces.
+    fn length(line: &MarkLine) -> f64 {
+        line.joints.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum()
+    }
 
     fn plane(normal: Vec3, offset: f64) -> SectionPlane {
         SectionPlane { normal: normal.normalize(), offset, label: "FR 1".into() }
@@ -238,10 +232,11 @@ mod tests {
         for at in [plane(Vec3::new(1.0, 0.4, 0.3), 70.0), plane(Vec3::new(0.2, 0.1, 1.0), 60.0)] {
             let found = sections(&laid, &pattern, std::slice::from_ref(&at), 0.01);
             assert_eq!(found.len(), 1, "one line across both panels: {found:?}");
-            for w in found[0].points.windows(2) {
+            for w in found[0].joints.windows(2) {
                 for share in [0.1, 0.5] {
-                    let spot = laid.spot(&(w[0] + (w[1] - w[0]) * share)).expect("a place on the part");
-                    assert!((at.normal.dot(&laid.space(&spot)) - at.offset).abs() < 0.03);
+                    let on = points_along(&w[0].point, &w[1].point, w[0].bulge, 10);
+                    let spot = laid.spot(&on[(share * on.len() as f64) as usize]).expect("a place on the part");
+                    assert!((at.normal.dot(&laid.space(&spot)) - at.offset).abs() < 0.05);
                 }
             }
         }
@@ -253,34 +248,24 @@ mod tests {
         let (patchwork, pattern) = pattern_of(vec![cylinder("a", 0.0, 1.2)], 1.0);
         let laid = Laid::of(&patchwork, &part_of(1), &pattern).expect("maps");
         let found = sections(&laid, &pattern, &[plane(Vec3::x(), 90.0)], 0.01);
-        assert_eq!((found.len(), found[0].points.len(), found[0].label.as_str()), (1, 2, "FR 1"));
-        assert!(((found[0].points[1] - found[0].points[0]).norm() - 80.0).abs() < 1e-6);
+        assert_eq!((found.len(), found[0].joints.len(), found[0].label.as_str()), (1, 2, "FR 1"));
+        assert!((length(&found[0]) - 80.0).abs() < 1e-6);
         // So does one through the ruling at which two panels are joined.
         let (two, both) = pattern_of(vec![cylinder("a", -0.7, 0.0), cylinder("b", 0.0, 0.6)], 1.0);
         let joined = Laid::of(&two, &part_of(2), &both).expect("maps");
         for tilt in [0.0, 1e-13] {
             let found = sections(&joined, &both, &[plane(Vec3::new(0.0, 1.0, tilt), 0.0)], 0.01);
-            assert_eq!((found.len(), found[0].points.len()), (1, 2), "{found:?}");
-            assert!(((found[0].points[1] - found[0].points[0]).norm() - 80.0).abs() < 1e-6);
+            assert_eq!((found.len(), found[0].joints.len()), (1, 2), "{found:?}");
+            assert!((length(&found[0]) - 80.0).abs() < 1e-6);
         }
         // Waterlines of an upright cylinder are straight and as long as the arc.
         assert!(sections(&laid, &pattern, &[plane(Vec3::z(), 80.0), plane(Vec3::z(), 0.0)], 0.01).is_empty());
         let level = sections(&laid, &pattern, &[plane(Vec3::z(), 30.0)], 0.01);
-        let length: f64 = level[0].points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
-        assert!((length - 120.0).abs() < 1e-3, "{length}");
+        assert!((length(&level[0]) - 120.0).abs() < 1e-3 && level[0].joints.len() == 2, "{level:?}");
         // One that is nearly along them crosses all heights within few rulings.
         let steep = sections(&laid, &pattern, &[plane(Vec3::new(1.0, 0.0, 1e-4), 90.0)], 0.01);
         assert_eq!(steep.len(), 1);
-        assert!((steep[0].points.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() - 80.0).abs() < 1e-3);
-    }
-
-    #[test]
-    fn corners_that_say_nothing_are_left_out() {
-        let line: Vec<Vec2> =
-            (0..=100).map(|k| Vec2::new(f64::from(k), if k < 50 { 0.0 } else { 0.2 * f64::from(k - 50) })).collect();
-        assert_eq!(simplified(&line, 0.01).len(), 3);
-        assert_eq!(simplified(&line, 100.0).len(), 2);
-        assert_eq!(simplified(&line[..2], 0.01).len(), 2);
+        assert!((length(&steep[0]) - 80.0).abs() < 1e-3);
     }
 
     #[test]

@@ -66,7 +66,7 @@ fn labelled(curves: &[FreeCurve], found: &[Found], count: usize) -> Vec<Vec<Mark
     for (curve, found) in curves.iter().zip(found) {
         let mut labelled: HashSet<(usize, Skin)> = HashSet::new();
         let is_text = matches!(curve.shape, FreeShape::Text { .. });
-        for (part, skin, points) in &found.lines {
+        for (part, skin, line) in &found.lines {
             let first = labelled.insert((*part, *skin));
             // Curves without names have that of their layer, once on every part, where it tells something; texts are words.
             let label = match curve.name.as_str() {
@@ -79,7 +79,7 @@ fn labelled(curves: &[FreeCurve], found: &[Found], count: usize) -> Vec<Vec<Mark
                 (true, Skin::Other) => format!("{label} {OTHER_SIDE}").trim_start().to_owned(),
                 _ => label,
             };
-            drawn[*part].push(MarkLine { label, points: points.clone() });
+            drawn[*part].push(MarkLine { label, ..line.clone() });
         }
     }
     drawn

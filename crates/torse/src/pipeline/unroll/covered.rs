@@ -39,10 +39,10 @@ fn covers(made: &Answer, tolerance: f64) -> Vec<Cover> {
         let face = made.patchwork.panels.get(panel).and_then(Panel::face).and_then(|f| made.patchwork.faces.get(f));
         let target = of_panel(&made.patchwork, panel, pattern, 0.0).zip(face);
         // A place beside the axis about which patterns are turned over.
-        let probe = MarkLine { points: vec![Vec2::x()], ..MarkLine::default() };
+        let probe = MarkLine::straight("", &[Vec2::x()]);
         let probe = Pattern { panel, curves: vec![probe], ..Pattern::default() };
         let seen = panels_viewed(&made.patchwork, vec![probe], pattern.view);
-        let is_turned = seen.iter().flat_map(|p| &p.curves).flat_map(|l| &l.points).any(|p| p.x < 0.0);
+        let is_turned = seen.iter().flat_map(|p| &p.curves).flat_map(|l| &l.joints).any(|j| j.point.x < 0.0);
         Cover { target: target.map(|(t, face)| t.covering(face, tolerance)), is_turned }
     };
     made.patterns.iter().map(cover).collect()

@@ -5,8 +5,9 @@ use crate::brep::free_curve::{FreeCurve, FreeShape};
 use crate::develop::carried::{Carried, CarryOptions, Path, Skin, Target};
 use crate::draw::stroke_font::strokes;
 use crate::geom::{Vec2, Vec3};
+use crate::patchwork::pattern::MarkLine;
 
-/// Share of the tolerance within which curves are drawn: half of it for chords and half for points left out.
+/// Share of the tolerance for chords that follow curves, and as much for the lines and arcs that are drawn for them.
 const DRAWN: f64 = 0.25;
 /// Way along the base line of a text, against its height, by which its direction on the part is found.
 const AHEAD: f64 = 0.1;
@@ -16,8 +17,8 @@ const LOOKS: usize = 64;
 /// What is known of a curve after it was carried over.
 #[derive(Default)]
 pub(super) struct Found {
-    /// Parts and skins with what is drawn there.
-    pub lines: Vec<(usize, Skin, Vec<Vec2>)>,
+    /// Parts and skins with what is drawn there, without labels.
+    pub lines: Vec<(usize, Skin, MarkLine)>,
     /// Whether some of it runs along outlines, which are cut.
     pub along_edge: bool,
     /// Greatest distance (mm) from the faces, or from the panels that cover them.
@@ -81,7 +82,7 @@ impl Found {
         let mut found = false;
         for (k, skin, (lines, off)) in all {
             found = true;
-            self.lines.extend(lines.into_iter().map(|l| (k, skin, l)));
+            self.lines.extend(lines.iter().map(|l| (k, skin, MarkLine::straight("", l))));
             self.distance = self.distance.max(off);
         }
         if !found {

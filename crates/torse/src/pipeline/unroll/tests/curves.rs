@@ -9,6 +9,7 @@ use crate::brep::space_curve::SpaceCurve;
 use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentSheet, Stretch};
+use crate::draw::flat::line_points;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::io::model::Model;
 use crate::io::{drawings, dxf, words};
@@ -41,8 +42,13 @@ pub(super) fn unrolled(faces: Vec<Face>, curves: Vec<FreeCurve>, surfaces: bool)
     unroll(&model, &options, &Control::default()).expect("an answer")
 }
 
-pub(super) fn length(line: &[Vec2]) -> f64 {
-    line.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+/// Points close to each other along a line.
+fn points(line: &MarkLine) -> Vec<Vec2> {
+    line_points(line, 1e-4)
+}
+
+pub(super) fn length(line: &MarkLine) -> f64 {
+    points(line).windows(2).map(|w| (w[1] - w[0]).norm()).sum()
 }
 
 pub(super) fn off(answer: &Answer) -> Vec<OffFaces> {
@@ -51,6 +57,25 @@ pub(super) fn off(answer: &Answer) -> Vec<OffFaces> {
         _ => None,
     });
     found.unwrap_or_default()
+}
+
+/// Circles, slots and lines on a plane face are what they are, in pattern and drawing.
+#[test]
+fn circles_and_lines_on_a_plane_are_circles_and_lines() {
+    let plate = rectangle(Vec3::zeros(), 90.0 * Vec3::x(), 60.0 * Vec3::y());
+    let axes = [Vec3::x(), Vec3::y()];
+    let circle = curve("circle", vec![arc(Vec3::new(20.0, 30.0, 0.0), axes, 8.0, TAU)]);
+    let line = curve("line", polyline(&[Vec3::new(40.0, 10.0, 0.0), Vec3::new(80.0, 50.0, 0.0)]));
+    let quarter = curve("quarter", vec![arc(Vec3::new(60.0, 10.0, 0.0), axes, 20.0, 0.25 * TAU)]);
+    let answer = unrolled(vec![plate], vec![circle, line, quarter], true);
+    let [circle, line, quarter] = answer.patterns[0].curves.as_slice() else { panic!("three lines") };
+    let (_, radius) = circle.contour().circle().expect("a circle");
+    assert!(circle.closed && (radius - 8.0).abs() < 1e-6, "{radius}");
+    assert_eq!((line.joints.len(), line.joints[0].bulge), (2, 0.0));
+    assert!(quarter.joints.len() == 2 && (quarter.joints[0].bulge.abs() - (0.0625 * TAU).tan()).abs() < 1e-6);
+    let told =
+        |n: &Note| matches!(n, Note::Unroll(UnrollNote::Carried { deviation, .. }) if *deviation < 0.1 * TOLERANCE);
+    assert!(answer.notes.iter().any(told), "{:?}", answer.notes);
 }
 
 /// From a flange on over the cylinder that it touches, rising as steeply: one straight line.
@@ -70,17 +95,18 @@ fn a_helix_becomes_a_straight_line_across_the_bend() {
     assert_eq!(answer.status(), Status::Certified);
     let [line] = answer.patterns[0].curves.as_slice() else { panic!("{:?}", answer.patterns[0].curves) };
     assert_eq!(line.label, "weld");
-    let (a, b) = (line.points[0], line.points[line.points.len() - 1]);
+    let (a, b) = (line.joints[0].point, line.joints[line.joints.len() - 1].point);
     let straight = 55f64.hypot(55.0 / 3.0);
     assert!(((b - a).norm() - straight).abs() < TOLERANCE, "{} {straight}", (b - a).norm());
-    assert!((length(&line.points) - straight).abs() < TOLERANCE);
-    // Drawn with few corners, and there in the file.
-    assert!(line.points.len() < 10, "{}", line.points.len());
+    assert!((length(line) - straight).abs() < TOLERANCE);
+    // Drawn with few joints, and there in the file.
+    assert!(line.joints.len() < 5, "{line:?}");
     let options = crate::draw::drawing::DrawingOptions::default();
     let drawing = crate::draw::drawing::drawing(&answer.patterns, &[], &[], &options);
     let mut bytes = Vec::new();
     dxf::write(&mut bytes, &drawing).expect("a drawing");
-    assert_eq!(drawings::dxf(&bytes).expect("a drawing")[0].curves[0].len(), line.points.len());
+    let pieces = drawings::dxf(&bytes).expect("a drawing");
+    assert!(crate::certify::written::drawing(&answer.patterns, &pieces).bound() < 1e-6);
     assert!(String::from_utf8_lossy(&bytes).contains("MARK_CURVE"));
     assert!(off(&answer).is_empty());
 }
@@ -98,11 +124,14 @@ fn a_circle_around_a_cone_becomes_an_arc_about_its_apex() {
     // It begins beside the cut.
     assert_eq!(lines.len(), 2);
     assert_eq!([lines[0].label.as_str(), lines[1].label.as_str()], ["scribe", ""]);
-    let whole: f64 = lines.iter().map(|l| length(&l.points)).sum();
+    let whole: f64 = lines.iter().map(length).sum();
     assert!((whole - TAU * radius).abs() < 0.002 * whole, "{whole} {}", TAU * radius);
     let slant = radius / slope.atan().sin();
-    let points: Vec<Vec2> = lines.iter().flat_map(|l| l.points.clone()).collect();
-    let longest = if lines[0].points.len() > lines[1].points.len() { &lines[0].points } else { &lines[1].points };
+    // Arcs, and no more than half of a turn asks for.
+    assert!(lines.iter().all(|l| l.joints.len() <= 5 && l.joints[0].bulge != 0.0), "{lines:?}");
+    let (first, second) = (points(&lines[0]), points(&lines[1]));
+    let longest = if first.len() > second.len() { &first } else { &second };
+    let points: Vec<Vec2> = [&first[..], &second[..]].concat();
     let (a, b, c) = (longest[0], longest[longest.len() / 2], longest[longest.len() - 1]);
     // The centre of the circle through three points.
     let (u, v) = (b - a, c - a);
@@ -130,10 +159,10 @@ fn a_curve_over_a_bend_is_as_long_as_the_neutral_fibre() {
     let [line, other] = answer.patterns[0].curves.as_slice() else { panic!("{:?}", answer.patterns[0].curves) };
     let neutral = 30.0 + (3.0 + 0.44 * 2.0) + 10.0;
     for line in [line, other] {
-        assert!((length(&line.points) - neutral).abs() < TOLERANCE, "{}", length(&line.points));
+        assert!((length(line) - neutral).abs() < TOLERANCE && line.joints.len() < 6, "{line:?}");
     }
     assert_eq!([line.label.as_str(), other.label.as_str()], ["at 0", "at 2 (other side)"]);
-    let ends = |l: &MarkLine| [l.points[0], l.points[l.points.len() - 1]];
+    let ends = |l: &MarkLine| [l.joints[0].point, l.joints[l.joints.len() - 1].point];
     assert!(ends(line).iter().zip(ends(other)).all(|(p, q)| (p - q).norm() < TOLERANCE), "{line:?} {other:?}");
     assert!(off(&answer).is_empty());
     let sentences: Vec<String> = answer.notes.iter().map(words::note).collect();
@@ -157,8 +186,8 @@ fn what_lies_on_no_face_is_named() {
     let answer = unrolled(vec![plate], [vec![half, beside, edge, through], points.to_vec()].concat(), true);
     let lines = &answer.patterns[0].curves;
     assert_eq!(lines.iter().map(|l| l.label.as_str()).collect::<Vec<_>>(), ["half", "P1", ""]);
-    assert!((length(&lines[0].points) - 20.0).abs() < 2.0 * TOLERANCE, "{}", length(&lines[0].points));
-    let middle = |k: usize| (lines[k].points[0] + lines[k].points[1]) * 0.5;
+    assert!((length(&lines[0]) - 20.0).abs() < 2.0 * TOLERANCE, "{:?}", lines[0]);
+    let middle = |k: usize| (lines[k].joints[0].point + lines[k].joints[1].point) * 0.5;
     assert!((middle(1) - middle(2)).norm() < 1e-9);
     let named = off(&answer);
     let told: Vec<(&str, f64)> = named.iter().map(|o| (o.curve.as_str(), o.farthest.round())).collect();

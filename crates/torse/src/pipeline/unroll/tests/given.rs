@@ -65,7 +65,7 @@ fn cylinders_and_cones_are_as_long_as_their_neutral_fibre() {
         let sections = &answer.patterns[0].sections;
         assert_eq!(sections.len(), 2);
         for s in sections {
-            let ends = s.points[s.points.len() - 1] - s.points[0];
+            let ends = s.joints[s.joints.len() - 1].point - s.joints[0].point;
             assert!((ends.norm() - length).abs() < 1e-4, "{} {length}", ends.norm());
         }
         // With a flange that it goes on into, which keeps its length.

@@ -30,7 +30,7 @@ fn a_curve_on_a_face_that_panels_cover_is_drawn_on_them() {
     let answer = unroll(&model, &options, &Control::default()).expect("an answer");
     let drawn: Vec<&MarkLine> = answer.patterns.iter().flat_map(|p| &p.curves).collect();
     let [a, b] = line(30.0);
-    let whole: f64 = drawn.iter().map(|l| length(&l.points)).sum();
+    let whole: f64 = drawn.iter().map(|l| length(l)).sum();
     assert!((whole - (b - a).norm()).abs() < 0.01 * whole, "{whole} {drawn:?}");
     assert!(drawn.iter().any(|l| l.label == "score"));
     assert_eq!(off(&answer).iter().map(|c| c.curve.as_str()).collect::<Vec<_>>(), ["object 1 'beside'"]);
@@ -50,7 +50,7 @@ fn a_text_stands_where_it_stands_on_the_face() {
     let lines = &answer.patterns[0].curves;
     assert!(!lines.is_empty() && lines.iter().all(|l| l.label.is_empty()), "{lines:?}");
     // As long and high as the words are, and as far from a corner of the plate as on the face.
-    let points: Vec<Vec2> = lines.iter().flat_map(|l| l.points.clone()).collect();
+    let points: Vec<Vec2> = lines.iter().flat_map(|l| l.joints.iter().map(|j| j.point)).collect();
     let farthest = |from: &Vec2| points.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
     let wide = crate::draw::stroke_font::width("HI", height);
     let across = points.iter().map(farthest).fold(0.0, f64::max);
