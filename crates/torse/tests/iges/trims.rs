@@ -100,6 +100,26 @@ fn preferred_curves_are_followed_where_those_in_space_are_off_the_surface() {
     assert!(trim_proof(&m.faces[0], 1e-9).bound().value() < 1e-6);
 }
 
+/// A side that runs beyond its beginning and back again, all on one line, is the line.
+#[test]
+fn sides_that_run_to_and_fro_bound_what_their_ends_do() {
+    let mut f = File::new();
+    let surface = f.rectangle(part(128), 4.0, 3.0);
+    let third = "0.333333333333333";
+    let flat = |kind: u32| Entry { status: FLAT, ..entry(kind) };
+    let points = ["0.25", "0.35", "0.1", "0.75"].map(|u| format!("{u},{third},0.")).join(",");
+    let data = format!("3,3,1,0,1,0,0.,0.,0.,0.,1.,1.,1.,1.,1.,1.,1.,1.,{points},0.,1.,0.,0.,1.");
+    let first = f.add(flat(126), &data);
+    let second = f.add(flat(110), &format!("0.75,{third},0.,0.75,0.666666666666667,0."));
+    let last = f.add(flat(110), &format!("0.75,0.666666666666667,0.,0.25,{third},0."));
+    let plane = f.add(flat(102), &format!("3,{first},{second},{last}"));
+    let b = f.add(part(142), &format!("1,{surface},{plane},0,1"));
+    f.add(entry(144), &format!("{surface},1,0,{b}"));
+    let m = model(&f);
+    has_area(&m.faces[0], 1.0);
+    assert!(trim_proof(&m.faces[0], 1e-9).bound().value() < 1e-6);
+}
+
 #[test]
 fn bounded_surfaces_list_their_curves_with_senses() {
     let mut f = File::new();
