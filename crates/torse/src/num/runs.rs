@@ -39,6 +39,14 @@ impl Runs {
         self.ends.push((self.runs.len(), self.values.len()));
     }
 
+    /// Appends the rows of others.
+    pub fn append(&mut self, others: &Self) {
+        let (runs, values) = (self.runs.len(), self.values.len());
+        self.runs.extend_from_slice(&others.runs);
+        self.values.extend_from_slice(&others.values);
+        self.ends.extend(others.ends.iter().map(|e| (e.0 + runs, e.1 + values)));
+    }
+
     /// First column and values of every run of a row.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> + Clone {
         let (runs, values) = self.of(i);
@@ -62,6 +70,9 @@ impl Runs {
         (&self.runs[run..end.0], &self.values[value..end.1])
     }
 }
+
+/// Columns from which on products are shared.
+const WIDE: usize = 96;
 
 /// Rows with the same runs.
 pub(crate) struct Bundle {
@@ -109,19 +120,29 @@ impl Bundle {
             column.iter_mut().zip(weights).for_each(|(v, weight)| *v *= weight);
         }
         let mut out = vec![0.0; w * w];
-        triangular::matmul(
-            MatMut::from_column_major_slice_mut(&mut out, w, w),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            MatRef::from_column_major_slice(&weighted, k, w).transpose(),
-            BlockStructure::Rectangular,
-            self.matrix(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+        let all = MatMut::from_column_major_slice_mut(&mut out, w, w);
+        lower_product(all, MatRef::from_column_major_slice(&weighted, k, w), self.matrix());
         out
     }
+}
+
+/// The lower half of `aᵀ b`: of many columns in two shares of equal work, however many threads there are.
+fn lower_product(to: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+    if b.ncols() < WIDE {
+        let (whole, lower) = (BlockStructure::Rectangular, BlockStructure::TriangularLower);
+        triangular::matmul(to, lower, Accum::Replace, a.transpose(), whole, b, whole, 1.0, Par::Seq);
+        return;
+    }
+    let half = b.ncols() / 2;
+    let (first, _, across, last) = to.split_at_mut(half, half);
+    let ((a, a_last), (b, b_last)) = (a.split_at_col(half), b.split_at_col(half));
+    rayon::join(
+        || matmul(across, Accum::Replace, a_last.transpose(), b, 1.0, Par::Seq),
+        || {
+            lower_product(first, a, b);
+            lower_product(last, a_last, b_last);
+        },
+    );
 }
 
 /// A matrix times a vector.
@@ -164,7 +185,7 @@ impl Bundles {
             firsts.push(count);
             count += m.len();
         }
-        let bundles = members.iter().map(|m| Bundle::new(rows, m)).collect();
+        let bundles = members.par_iter().map(|m| Bundle::new(rows, m)).collect();
         Self { bundles, firsts, order: members.into_iter().flatten().collect() }
     }
 
@@ -251,6 +272,21 @@ mod tests {
             for b in 0..=a {
                 let wanted: f64 = (0..60).map(|i| weights[i] * entry(i, a) * entry(i, b)).sum();
                 assert!((square[a][b] - wanted).abs() < 1e-12, "{a} {b}");
+            }
+        }
+    }
+    #[test]
+    fn wide_products_are_those_of_their_columns() {
+        let (rows, width) = (5, 2 * WIDE + 3);
+        let value = |i: usize| ((i * i + 3 * i) as f64).sin();
+        let [a, b] = [1, 7].map(|k| (0..rows * width).map(|i| value(k * i)).collect::<Vec<f64>>());
+        let [left, right] = [&a, &b].map(|m| MatRef::from_column_major_slice(m, rows, width));
+        let mut out = vec![0.0; width * width];
+        lower_product(MatMut::from_column_major_slice_mut(&mut out, width, width), left, right);
+        for j in 0..width {
+            for i in j..width {
+                let wanted: f64 = (0..rows).map(|k| a[i * rows + k] * b[j * rows + k]).sum();
+                assert!((out[j * width + i] - wanted).abs() < 1e-12, "{i} {j}");
             }
         }
     }

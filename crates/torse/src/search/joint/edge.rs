@@ -9,7 +9,7 @@
 use super::columns::Columns;
 use super::form::Tie;
 use super::line::{End, Line};
-use super::network::{Member, Network};
+use super::network::{Member, Network, Sample};
 
 use crate::geom::Vec3;
 use crate::num::block_matrix::{BlockMatrix, Structure};
@@ -26,6 +26,8 @@ const SIDEWAYS: f64 = 1e-3;
 const STEPS: usize = 12;
 /// Steps end below this share of the tolerance.
 const SETTLED: f64 = 1e-9;
+/// Samples whose rows are written in one go.
+const AT_ONCE: usize = 64;
 /// Spans of reference curves.
 const REFERENCE: usize = 24;
 /// Degree of curves.
@@ -328,10 +330,10 @@ impl Network<'_> {
             .collect::<Option<_>>()?;
         for _ in 0..ROUNDS {
             let columns = now.columns(0);
-            let mut gaps = Tie { rows: Runs::default(), price: Vec::new(), damping: 0.0 };
-            let (mut beyond, mut largest) = (Vec::new(), 0.0_f64);
-            for ((line, reference), guesses) in now.lines.iter().zip(&references).zip(&mut guesses) {
+            // Of every line its rows, those beyond its ends, and the largest gap.
+            let of_line = |((line, reference), guesses): ((&Line, &Reference), &mut Vec<[f64; 2]>)| {
                 let count = guesses.len() - 1;
+                let (mut gaps, mut beyond, mut largest) = (Tie::none(), Vec::new(), 0.0_f64);
                 for (i, guess) in guesses.iter_mut().enumerate() {
                     let at = share(i, count);
                     let [y, up, _] = reference.frame(at)?;
@@ -349,6 +351,14 @@ impl Network<'_> {
                         None => {}
                     }
                 }
+                Some((gaps, beyond, largest))
+            };
+            let of_lines = now.lines.par_iter().zip(&references).zip(&mut guesses).map(of_line);
+            let (mut gaps, mut beyond, mut largest) = (Tie::none(), Vec::new(), 0.0_f64);
+            for (of_line, behind, most) in of_lines.collect::<Option<Vec<_>>>()? {
+                beyond.extend(behind.into_iter().map(|k| k + gaps.price.len()));
+                gaps.append(&of_line);
+                largest = largest.max(most);
             }
             // Beyond the ends of lines strips may part: places there count no more than the worst on a line.
             for k in beyond {
@@ -388,12 +398,18 @@ impl Network<'_> {
     /// Writes rows that keep the distances of samples from their strips: what closes gaps and costs little in unknowns may move strips
     /// by more than the gaps are wide.
     fn kept_rows(&self, columns: &Columns, out: &mut Tie) {
-        for s in &self.samples {
-            if let Some(foot) = &s.foot {
-                self.members[s.strip].strip.row(columns.strips[s.strip], &s.x, foot, 1.0, &mut out.rows);
-                out.end(KEPT, 0.0);
+        let some = |samples: &[Sample]| {
+            let mut out = Tie::none();
+            for s in samples {
+                if let Some(foot) = &s.foot {
+                    self.members[s.strip].strip.row(columns.strips[s.strip], &s.x, foot, 1.0, &mut out.rows);
+                    out.end(KEPT, 0.0);
+                }
             }
-        }
+            out
+        };
+        let all: Vec<Tie> = self.samples.par_chunks(AT_ONCE).map(some).collect();
+        all.iter().for_each(|t| out.append(t));
     }
 
     /// The change of all strips that closes gaps in the sense of least squares, at a price.

@@ -69,6 +69,17 @@ impl Tie {
         self.price.push((weight, residual));
     }
 
+    /// No rows.
+    pub fn none() -> Self {
+        Self { rows: Runs::default(), price: Vec::new(), damping: 0.0 }
+    }
+
+    /// Appends the rows of others.
+    pub fn append(&mut self, others: &Self) {
+        self.rows.append(&others.rows);
+        self.price.extend_from_slice(&others.price);
+    }
+
     /// Second differences of unknowns.
     pub fn uneven(&mut self, column: usize, sequence: &[usize], weight: f64) {
         for w in sequence.windows(3) {

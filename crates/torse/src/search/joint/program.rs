@@ -49,7 +49,7 @@ pub(super) struct Step {
 
 /// The step for prices and limits.
 pub(super) fn step(fleet: &Fleet, columns: &[Columns], prices: &Prices) -> Option<Step> {
-    let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: prices.damping };
+    let mut tie = Tie { damping: prices.damping, ..Tie::none() };
     let mut program = distances(fleet, columns, prices.gaps, &mut tie)?;
     columns.iter().for_each(|c| c.slide_limits(prices.reach, &mut program.limits));
     // A distance that nothing changes.

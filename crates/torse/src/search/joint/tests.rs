@@ -188,7 +188,7 @@ fn rows_of_a_line_match_differences() {
     let network = start::network(&face, &state, chains(&face, &state), &asked(&|_| false, 1.0)).expect("a network");
     let fleet = Fleet::of(network.clone());
     let columns = fleet.columns();
-    let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: 1.0 };
+    let mut tie = Tie { damping: 1.0, ..Tie::none() };
     let program = distances(&fleet, &columns, 1.0, &mut tie).expect("rows");
     let columns = &columns[0];
     let mut x = vec![0.0; program.limits.len()];
