@@ -300,13 +300,20 @@ impl Network<'_> {
         Some(Edge { curve, missed: missed / line.length.max(mean) })
     }
 
-    /// The strips beside lines with edges that are farther from these than they should be (`wanted` of what lines are long), or all
-    /// where they miss what they should meet of other faces, on twice the spans, and all as equally high over their lines as
+    /// The coarser strips beside lines with edges that are farther from these than they should be (`wanted` of what lines are long), or
+    /// all where they miss what they should meet of other faces, on twice the spans, and all as equally high over their lines as
     /// these allow. `None` where a foot is lost.
     pub fn polished(&self, edges: &[Option<Edge>], wanted: f64) -> Option<Self> {
         let references: Vec<Reference> = self.lines.iter().map(Reference::of).collect::<Option<_>>()?;
         let misses = |(_, e): &(&Line, &Option<Edge>)| e.as_ref().is_none_or(|e| e.misses(wanted));
-        let beside: BTreeSet<usize> = self.lines.iter().zip(edges).filter(misses).flat_map(|(l, _)| l.strips).collect();
+        let spans = |k: usize| self.members[k].strip.spans();
+        // The coarser of two strips first: rows of strips with inflections are as wide as these have spans.
+        let coarser = |l: &Line| {
+            let fewest = l.strips.map(spans).into_iter().fold(usize::MAX, usize::min);
+            l.strips.into_iter().filter(move |&k| spans(k) == fewest)
+        };
+        let beside: BTreeSet<usize> =
+            self.lines.iter().zip(edges).filter(misses).flat_map(|(l, _)| coarser(l)).collect();
         let all = !self.meets_aims();
         let mut now = self.clone();
         for (k, m) in now.members.iter_mut().enumerate() {
