@@ -238,7 +238,8 @@ fn turn_at_pole(pcurve: &Pcurve, pole: &Pole, difference: f64, period: f64) -> f
 }
 
 impl Pcurve {
-    /// Whether `other` runs along the same way on the surface in the opposite direction.
+    /// Whether `other` runs along the same way on the surface in the opposite direction. Where the surface closes one way only it must
+    /// be the same curve: no proof looks at what is left out.
     fn is_run_back_by(&self, other: &Self, periods: [Option<f64>; 2]) -> bool {
         let middle = |a: &Arc| a.curve.point(0.5 * (a.from + a.to));
         let (p, q) = (self.arc.ends(), other.arc.ends());
@@ -247,7 +248,9 @@ impl Pcurve {
         let lifts = |d: f64, period: Option<f64>| period.is_some_and(|p| d.abs() > SAME_LIFT * p);
         let far = |a: [f64; 2], b: [f64; 2]| (0..2).any(|k| lifts(a[k] - b[k], periods[k]));
         let (first, last) = (self.qs[0], self.end());
-        !apart(p.0, q.1)
+        let same = self.arc.curve == other.arc.curve && [self.arc.from, self.arc.to] == [other.arc.to, other.arc.from];
+        (same || periods.iter().all(Option::is_some))
+            && !apart(p.0, q.1)
             && !apart(p.1, q.0)
             && !apart(middle(&self.arc), middle(&other.arc))
             && !far(first, other.end())

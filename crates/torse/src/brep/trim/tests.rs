@@ -189,3 +189,41 @@ fn a_slit_of_a_cylinder_bounds_nothing() {
     let entities: Vec<u64> = boundary.loops.iter().flatten().map(|e| e.entity).collect();
     assert_eq!(entities, [1, 2]);
 }
+
+/// A hole of 20 mm that is less than two thousandths of a millimetre wide is one, though both its edges nearly agree.
+#[test]
+fn a_slim_hole_of_a_cylinder_is_no_slit() {
+    let support = SupportSurface::Cylinder { frame: Frame::world(), radius: 10.0 };
+    let edge = |entity: u64, curve: SpaceCurve, from: f64, to: f64| RawEdge {
+        entity,
+        forward: from < to,
+        path: vec![Arc { curve, from, to }],
+        vertices: None,
+        trace: None,
+    };
+    let circle = |z: f64| {
+        let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+        SpaceCurve::Ellipse { frame, a: 10.0, b: 10.0 }
+    };
+    let hole = || {
+        let plane = SpaceCurve::Ellipse {
+            frame: Frame { origin: Vec3::new(2.0, 15.0, 0.0), ..Frame::world() },
+            a: 8e-5,
+            b: 10.0,
+        };
+        SpaceCurve::traced(plane, support.clone(), [1.0, 1.0])
+    };
+    let turned = [-FRAC_PI_2, FRAC_PI_2, 3.0 * FRAC_PI_2];
+    let loops = vec![
+        RawLoop { edges: vec![edge(1, circle(0.0), 0.0, TAU)], outer: false },
+        RawLoop { edges: vec![edge(2, circle(30.0), TAU, 0.0)], outer: false },
+        RawLoop {
+            edges: vec![edge(3, hole(), turned[2], turned[1]), edge(4, hole(), turned[1], turned[0])],
+            outer: false,
+        },
+    ];
+    let made = faces(&raw(&support, Region::Loops(loops)), None).expect("a tube with a hole");
+    let boundary = made[0].boundary.as_ref().expect("edges of the file");
+    let entities: Vec<u64> = boundary.loops.iter().flatten().map(|e| e.entity).collect();
+    assert_eq!((made[0].loops.len(), entities), (2, vec![1, 2, 3, 4]));
+}
