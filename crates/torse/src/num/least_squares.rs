@@ -89,13 +89,25 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
-/// Symmetric banded matrix; only the lower half is stored, row by row.
+/// Adds `scale` times `b` to `a`, as far as both go.
+#[inline]
+fn add_scaled(a: &mut [f64], scale: f64, b: &[f64]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += scale * b;
+    }
+}
+
+/// Symmetric banded matrix; only the upper half is stored, row by row from the diagonal on. Rows reach beyond the last
+/// column with zeros.
 #[derive(Clone, Debug)]
 pub(crate) struct BandMatrix {
     size: usize,
     width: usize,
     values: Vec<f64>,
 }
+
+/// Rows of a factor that are taken off the rest together.
+const TOGETHER: usize = 4;
 
 impl BandMatrix {
     /// The zero matrix of `size` rows whose entries further than `width − 1` from the diagonal vanish.
@@ -129,7 +141,7 @@ impl BandMatrix {
 
     /// Diagonal entry `i`.
     pub fn diagonal(&self, i: usize) -> f64 {
-        self.values[(i + 1) * self.width - 1]
+        self.values[i * self.width]
     }
 
     /// Entry in row `i` and column `j`.
@@ -138,32 +150,27 @@ impl BandMatrix {
         if i - j >= self.width {
             return 0.0;
         }
-        self.values[(i + 1) * self.width - 1 - (i - j)]
+        self.values[j * self.width + (i - j)]
     }
 
     /// Adds `value` to the diagonal entry `i`.
     pub fn add_diagonal(&mut self, i: usize, value: f64) {
-        self.values[(i + 1) * self.width - 1] += value;
+        self.values[i * self.width] += value;
     }
 
     /// Adds `value` to the entry in row `i` and column `j ≤ i`, and so to its mirror image.
     pub fn add_entry(&mut self, i: usize, j: usize, value: f64) {
-        self.values[(i + 1) * self.width - 1 - (i - j)] += value;
+        self.values[j * self.width + (i - j)] += value;
     }
 
     /// Adds `weight · rᵀ r` for row `i` of `rows`.
     #[inline]
     pub fn add_row(&mut self, rows: &Rows, i: usize, weight: f64) {
         let (first, row) = rows.row(i);
-        let w = self.width;
-        for (p, &v) in row.iter().enumerate() {
+        for (q, &v) in row.iter().enumerate() {
             let s = weight * v;
-            if s == 0.0 {
-                continue;
-            }
-            let end = (first + p + 1) * w;
-            for (o, a) in self.values[end - p - 1..end].iter_mut().zip(row) {
-                *o += s * a;
+            if s != 0.0 {
+                add_scaled(&mut self.values[(first + q) * self.width..], s, &row[q..]);
             }
         }
     }
@@ -180,17 +187,13 @@ impl BandMatrix {
                 let w = [0, 1, 2, 3].map(|k: usize| weights[four[k]]);
                 let (first, _) = rows.row(four[0]);
                 let r = [0, 1, 2, 3].map(|k: usize| rows.row(four[k]).1);
-                for p in 0..rows.width {
-                    let s = [0, 1, 2, 3].map(|k: usize| w[k] * r[k][p]);
+                for q in 0..rows.width {
+                    let s = [0, 1, 2, 3].map(|k: usize| w[k] * r[k][q]);
                     if s == [0.0; 4] {
                         continue;
                     }
-                    let end = (first + p + 1) * self.width;
-                    let out = &mut self.values[end - p - 1..end];
-                    let [a, b, c, d] = r.map(|r| &r[..out.len()]);
-                    for (q, o) in out.iter_mut().enumerate() {
-                        *o += (s[0] * a[q] + s[1] * b[q]) + (s[2] * c[q] + s[3] * d[q]);
-                    }
+                    let out = &mut self.values[(first + q) * self.width..][..rows.width - q];
+                    add_scaled_four(out, s, r.map(|r| &r[q..]));
                 }
             }
         }
@@ -200,16 +203,16 @@ impl BandMatrix {
     pub fn product(&self, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         for i in 0..self.size {
-            let lo = (i + 1).saturating_sub(self.width);
-            let row = &self.values[(i + 1) * self.width - (i - lo) - 1..(i + 1) * self.width];
-            for (k, &v) in row.iter().enumerate() {
-                let j = lo + k;
-                out[i] += v * x[j];
-                if j != i {
-                    out[j] += v * x[i];
-                }
-            }
+            let row = self.row(i);
+            out[i] += row[0] * x[i] + dot(&row[1..], &x[i + 1..i + row.len()]);
+            add_scaled(&mut out[i + 1..], x[i], &row[1..]);
         }
+    }
+
+    /// Row `i` from the diagonal on, as far as the matrix goes.
+    #[inline]
+    fn row(&self, i: usize) -> &[f64] {
+        &self.values[i * self.width..][..self.width.min(self.size - i)]
     }
 
     /// Replaces the matrix by its Cholesky factor. `false` if it is not positive definite to working precision
@@ -217,54 +220,76 @@ impl BandMatrix {
     pub fn factorise(&mut self) -> bool {
         // A pivot below this share of its diagonal entry is rounding error only.
         const SINGULAR: f64 = 1e-14;
-        let w = self.width;
-        for i in 0..self.size {
-            let lo = (i + 1).saturating_sub(w);
-            for j in lo..=i {
-                let lo_j = (j + 1).saturating_sub(w).max(lo);
-                let (head, tail) = self.values.split_at_mut(i * w);
-                let row_i = &mut tail[..w];
-                let at_i = |column: usize| column + w - 1 - i;
-                if j == i {
-                    let tail = &row_i[at_i(lo)..w - 1];
-                    let s = dot(tail, tail);
-                    let d = row_i[w - 1];
-                    let pivot = d - s;
-                    if pivot.is_nan() || pivot <= SINGULAR * d {
-                        return false;
-                    }
-                    row_i[w - 1] = pivot.sqrt();
+        let (n, w) = (self.size, self.width);
+        let diagonal: Vec<f64> = (0..n).map(|i| self.diagonal(i)).collect();
+        for j in (0..n).step_by(TOGETHER) {
+            let end = n.min(j + TOGETHER);
+            for i in j..end {
+                let pivot = self.values[i * w];
+                if pivot.is_nan() || pivot <= SINGULAR * diagonal[i] {
+                    return false;
+                }
+                let root = pivot.sqrt();
+                let inverse = root.recip();
+                self.values[i * w] = root;
+                self.values[i * w + 1..(i + 1) * w].iter_mut().for_each(|v| *v *= inverse);
+                (i + 1..end.min(i + w)).for_each(|r| self.take_off(i, r));
+            }
+            for r in end..n.min(end + w - 1) {
+                if end - j < TOGETHER || r - j >= w {
+                    ((r + 1).saturating_sub(w).max(j)..end).for_each(|i| self.take_off(i, r));
                 } else {
-                    let row_j = &head[j * w..(j + 1) * w];
-                    let a = &row_i[at_i(lo_j)..at_i(j)];
-                    let b = &row_j[w - 1 - (j - lo_j)..w - 1];
-                    let s = dot(a, b);
-                    let c = at_i(j);
-                    row_i[c] = (row_i[c] - s) / row_j[w - 1];
+                    self.take_off_four(j, r);
                 }
             }
         }
         true
     }
 
+    /// Takes what row `i` of the factor makes of row `r > i` off it.
+    #[inline]
+    fn take_off(&mut self, i: usize, r: usize) {
+        let w = self.width;
+        let (head, tail) = self.values.split_at_mut(r * w);
+        let row = &head[i * w + (r - i)..(i + 1) * w];
+        add_scaled(tail, -row[0], row);
+    }
+
+    /// The same of the four rows from `j` on, where all of them reach row `r`.
+    #[inline]
+    fn take_off_four(&mut self, j: usize, r: usize) {
+        let w = self.width;
+        let (head, tail) = self.values.split_at_mut(r * w);
+        let rows = [0, 1, 2, 3].map(|p: usize| &head[(j + p) * w + (r - j - p)..(j + p + 1) * w]);
+        let scales = rows.map(|row| -row[0]);
+        let (common, rest) = tail.split_at_mut(w - (r - j));
+        add_scaled_four(common, scales, rows);
+        for (row, scale) in rows.iter().zip(scales).skip(1) {
+            add_scaled(rest, scale, &row[common.len()..]);
+        }
+    }
+
     /// Solves in place with the factor left by [`BandMatrix::factorise`].
     pub fn solve(&self, x: &mut [f64]) {
-        let w = self.width;
         for i in 0..self.size {
-            let lo = (i + 1).saturating_sub(w);
-            let row = &self.values[(i + 1) * w - (i - lo) - 1..(i + 1) * w];
-            let s = dot(&row[..i - lo], &x[lo..i]);
-            x[i] = (x[i] - s) / row[i - lo];
+            let row = self.row(i);
+            let (head, tail) = x.split_at_mut(i + 1);
+            head[i] /= row[0];
+            add_scaled(tail, -head[i], &row[1..]);
         }
         for i in (0..self.size).rev() {
-            let lo = (i + 1).saturating_sub(w);
-            let row = &self.values[(i + 1) * w - (i - lo) - 1..(i + 1) * w];
-            x[i] /= row[i - lo];
-            let s = x[i];
-            for (o, a) in x[lo..i].iter_mut().zip(&row[..i - lo]) {
-                *o -= a * s;
-            }
+            let row = self.row(i);
+            x[i] = (x[i] - dot(&row[1..], &x[i + 1..i + row.len()])) / row[0];
         }
+    }
+}
+
+/// Adds four vectors, at least as long as `a` each, times numbers to `a`.
+#[inline]
+fn add_scaled_four(a: &mut [f64], s: [f64; 4], b: [&[f64]; 4]) {
+    let [p, q, r, t] = b.map(|b| &b[..a.len()]);
+    for (k, a) in a.iter_mut().enumerate() {
+        *a += (s[0] * p[k] + s[1] * q[k]) + (s[2] * r[k] + s[3] * t[k]);
     }
 }
 
@@ -273,29 +298,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn banded_system_is_solved_to_rounding() {
-        let (n, w) = (9, 3);
-        let mut rows = Rows::new(n, w);
-        for i in 0..n {
-            let (_, r) = rows.push(i);
-            r.copy_from_slice(&[1.0 + i as f64, -0.5, 0.25 * i as f64]);
-        }
-        for i in 0..n - 2 {
-            let (_, r) = rows.push(i);
-            r.copy_from_slice(&[0.3, 2.0, 1.0]);
-        }
-        let mut m = BandMatrix::zeros(n, w);
-        let weights: Vec<f64> = (0..rows.len()).map(|i| 1.0 + 0.1 * i as f64).collect();
-        for (i, &weight) in weights.iter().enumerate() {
-            m.add_row(&rows, i, weight);
-        }
-        let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
-        let mut b = vec![0.0; n];
-        m.product(&x, &mut b);
-        assert!(m.factorise());
-        m.solve(&mut b);
-        for (a, b) in x.iter().zip(&b) {
-            assert!((a - b).abs() < 1e-12);
+    fn banded_systems_are_solved_to_rounding() {
+        for (n, w) in (1..14).flat_map(|n| (1..=n.min(9)).map(move |w| (n, w))) {
+            let mut rows = Rows::new(n, w);
+            for i in 0..3 * n {
+                let (_, r) = rows.push(i % n);
+                r.iter_mut().enumerate().for_each(|(k, r)| *r = ((7 * i + 3 * k) as f64).sin());
+            }
+            let mut m = BandMatrix::zeros(n, w);
+            for i in 0..rows.len() {
+                m.add_row(&rows, i, 1.0 + 0.1 * i as f64);
+            }
+            (0..n).for_each(|i| m.add_diagonal(i, 1.0));
+            let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).cos()).collect();
+            let mut b = vec![0.0; n];
+            m.product(&x, &mut b);
+            let by_entries = |i: usize| (0..n).map(|j| m.entry(i, j) * x[j]).sum::<f64>();
+            assert!((0..n).all(|i| (by_entries(i) - b[i]).abs() < 1e-12 * (1.0 + b[i].abs())), "{n} {w}");
+            assert!(m.factorise());
+            m.solve(&mut b);
+            assert!(x.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-10), "{n} {w}");
         }
     }
 

@@ -41,6 +41,8 @@ pub struct DualOptions {
     pub clearance: f64,
     /// Wanted radius of curvature at the samples, mm; 0. Kept as far as the start allows.
     pub bend_radius: f64,
+    /// Radius of curvature at the samples below which other starts are tried, mm; 0.
+    pub least_bend_radius: f64,
     /// Ends the fit early with the best torse so far; never.
     pub control: Control,
 }
@@ -48,7 +50,15 @@ pub struct DualOptions {
 impl DualOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, spans: 26, max_samples: 300, clearance: 0.0, bend_radius: 0.0, control: Control::default() }
+        Self {
+            tolerance,
+            spans: 26,
+            max_samples: 300,
+            clearance: 0.0,
+            bend_radius: 0.0,
+            least_bend_radius: 0.0,
+            control: Control::default(),
+        }
     }
 }
 
@@ -88,7 +98,8 @@ impl Scale {
 ///
 /// *Input*: at least 6 samples and 4 centre points in order along the strip; the line should run nearly the whole
 /// length of the strip. *Result*: a fit whose domain reaches beyond all feet and whose regression curve is clear of all
-/// samples; of several starts the first wins whose fit has nearly the room wanted. `None` if no regular start exists
+/// samples; of several starts the first wins whose fit has the room that is needed, and no other is tried after a fit that is
+/// too far away for room to matter. `None` if no regular start exists
 /// (inflections, asymptotic centre lines, foldings), or with too few or invalid data. *Not guaranteed*: that the error is
 /// within the tolerance, or that the room wanted is kept.
 pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -> Option<Fit> {
@@ -100,7 +111,7 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
     }
     let scale = Scale::of(samples)?;
     let parameters = strip_parameters(centre, scale.unit)?;
-    // The first fit that has nearly the room wanted; else the first.
+    // The first fit that has room enough; else the first.
     let mut first = None;
     for (reach, smooth) in STARTS {
         if first.is_some() && options.control.stopped() {
@@ -109,6 +120,7 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
         let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach, smooth);
         match start.and_then(|start| fitted(samples, &scale, start, options)) {
             Some((fit, true)) => return Some(fit),
+            Some((fit, false)) if first.is_none() && fit.error > USELESS * options.tolerance => return Some(fit),
             Some((fit, false)) => first = first.or(Some(fit)),
             None => {}
         }
@@ -195,7 +207,7 @@ fn start_planes(
     Pieces::of(&crate::spline::curve::Curve::new(3, knots.values().to_vec(), control).ok()?)
 }
 
-/// The fit from given planes (scaled coordinates), and whether it has nearly the room wanted.
+/// The fit from given planes (scaled coordinates), and whether it has room enough.
 fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOptions) -> Option<(Fit, bool)> {
     let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
     let mut few = thin(samples, options.max_samples.max(12));
@@ -221,8 +233,8 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
     // Feet that have strayed to another part of the torse spoil what is measured in the end.
     let fit = finished(samples, scale, &family, &x).filter(|fit| fit.error <= STRAYED * reached)?;
     let margin = RegularityMargin::least(&family.power_form(&x), &family.points, &family.feet);
-    let regular_enough = margin.bend_radius * scale.unit >= NEARLY[0] * options.bend_radius
-        && margin.clearance * scale.unit >= NEARLY[1] * options.clearance;
+    let regular_enough = margin.bend_radius * scale.unit >= options.least_bend_radius
+        && margin.clearance * scale.unit >= NEARLY * options.clearance;
     Some((fit, regular_enough))
 }
 
@@ -250,8 +262,11 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
     Some(Fit { torse, kind: PanelKind::Torse, error, worst })
 }
 
-/// Shares of the bending radius and of the clearance wanted that will do.
-const NEARLY: [f64; 2] = [0.85, 0.25];
+/// Share of the clearance wanted that will do.
+const NEARLY: f64 = 0.25;
+
+/// A fit farther away than so many times the distance wanted will not be of use, whatever room it has.
+const USELESS: f64 = 1.5;
 
 /// A fit measured to be so many times as far away as it was found to be is none.
 const STRAYED: f64 = 1.5;
