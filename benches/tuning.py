@@ -3,7 +3,7 @@
 
 Each is halved and doubled, short jobs are run, and their reports are compared with those of the unchanged program.
 
-    python3 benches/tuning.py WORK [--stage all] [--jobs 3] [--factors 2 0.5] [--minutes 60] [--limit 20]
+    python3 benches/tuning.py WORK [--stage all] [--jobs 3] [--factors 2 0.5] [--only nothing] [--minutes 60] [--limit 20]
 
 Needs Python 3.9 or later, cargo and a Unix; no packages. Run it alone on the machine, or bind it to one core
 (`taskset -c 1`): jobs run one after the other, each in one thread; what is compared is the time of the processor.
@@ -21,8 +21,10 @@ Stages, each of which takes up what the one before left in the folder WORK:
          reads it most often, then the next cheapest, preferably of another command, up to --jobs of them. First every
          constant with its first job, then with its second, so that --minutes may end it at any time; started again,
          it begins with what has not moved anything yet.
-         Appends to runs.jsonl.
+         Appends to runs.jsonl. With --only, just the constants of a list that `table` wrote: `--only nothing --factors 1000
+        0.001` tells which of those that half and double leave alone are guards, and which do nothing whatever they are.
 `table`  writes tuning.md (what changes) and lists: nothing.txt (read, but the report stays the same to the last digit),
+        idle.txt (those of them that do nothing far off either),
          digits.txt (only digits change), unread.txt (no job reads it), better.txt (better in some jobs, worse in none),
          worse.txt (all changes, the worst first).
 
@@ -775,10 +777,18 @@ def chosen(number: str, baseline: dict, most: int) -> list:
     return out[:most]
 
 
-def vary(work: Path, limit: float, most: int, factors: list, minutes: float) -> None:
+def place_of(c: dict) -> str:
+    """Where a constant stands, and its name: how lines of lists begin."""
+    return f"{c['file']}:{c['line']} {c['name']}"
+
+
+def vary(work: Path, limit: float, most: int, factors: list, minutes: float, only: str) -> None:
     end = time.monotonic() + 60 * minutes
     runner = Runner(work, limit)
     constants = json.loads((work / "constants.json").read_text())
+    if only:
+        wanted = {" ".join(line.split()[:2]) for line in (work / f"{only}.txt").read_text().splitlines()}
+        constants = [c for c in constants if place_of(c) in wanted]
     baseline = json.loads((work / "baseline.json").read_text())
     record = work / "runs.jsonl"
     known = [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
@@ -884,17 +894,20 @@ def table(work: Path, limit: float, factors: list) -> None:
     read = {number for b in baseline.values() for number in b["reads"]}
     scalar = [c for c in constants if c["id"] is not None]
     rows, file = [], None
-    lists = {"nothing": [], "digits": [], "unread": [], "better": [], "worse": []}
+    lists = {"nothing": [], "idle": [], "digits": [], "unread": [], "better": [], "worse": []}
     for c in (c for c in scalar if c["uses"]):
-        place = f"{c['file']}:{c['line']} {c['name']} {c['value']}"
+        place = f"{place_of(c)} {c['value']}"
         if str(c["id"]) not in read:
             lists["unread"].append(place)
             continue
         told = {factor: runs.get((c["id"], factor), []) for factor in sorted(factors)}
         cells = {factor: cell(those) for factor, those in told.items()}
+        far = [(*t[:2], f"×{f:g} {t[2]}") for (id, f), those in runs.items() if id == c["id"] and f not in told for t in those]
         everything = [t for those in told.values() for t in those]
         if everything and not any(t[1] for t in everything):
             lists["nothing"].append(f"{place}  ({len(everything)} runs)")
+            if far and not any(t[1] for t in far):
+                lists["idle"].append(place)
         elif everything and all(words in ([], ["digits"]) for _, words, _ in everything):
             lists["digits"].append(place)
         for factor, those in told.items():
@@ -909,22 +922,23 @@ def table(work: Path, limit: float, factors: list) -> None:
                 rows += ["", f"## {Path(c['file']).parent}"]
             file = c["file"]
             rows += ["", f"**{file}**", ""]
-            rows += ["| constant | value | what | at half | at double |", "|---|---|---|---|---|"]
+            rows += ["| constant | value | what | at half | at double | far off |", "|---|---|---|---|---|---|"]
         mark = "†" if c["partly"] else ""
         rows.append(f"| {c['name']}{mark} | {c['value'][:28]} | {first_sentence(c['doc'])} | "
-                    f"{' | '.join(text for _, text in cells.values())} |")
+                    f"{' | '.join(text for _, text in cells.values())} | {cell(far)[1]} |")
     fixed = sum(not c["uses"] for c in scalar)
     found = sum(str(c["id"]) in read for c in scalar)
     summary = (
         f"{len(constants)} constants, {len(scalar)} of them one number. Of these {fixed} stand in constant expressions "
         f"only, {len(lists['unread'])} are read by no job, and {found} are read: of those that ran, "
-        f"{len(lists['nothing'])} change nothing at half and at double, {len(lists['digits'])} only digits."
+        f"{len(lists['nothing'])} change nothing at half and at double ({len(lists['idle'])} of them nothing far off "
+        f"either), {len(lists['digits'])} only digits."
     )
     head = [
         "# What the constants do", "", summary, "",
         "Cells tell the worst over the jobs that ran: which, and in how many of them anything changed. `digits`: the "
-        "report changes, but not the status, panels, seams, nor the bound by half a per cent of its limit. `—`: not "
-        "varied, or not run. `†`: not varied where the length of an array or another constant is made of it.",
+        "report changes, but not the status, panels, seams, nor the bound by half a per cent of its limit. `far off`: at "
+        "a thousandth and a thousand times the value, of what half and double leave alone. `—`: not varied, or not run. `†`: not varied where the length of an array or another constant is made of it.",
         "", "| job | command | exit | panels | bound / limit | exact seams | cpu-s | reads |",
         "|---|---|---|---|---|---|---|---|",
     ]
@@ -948,6 +962,7 @@ def main() -> None:
     parser.add_argument("--stage", choices=["all", "build", "trace", "vary", "table"], default="all")
     parser.add_argument("--jobs", type=int, default=3, help="at most so many jobs for each constant and factor")
     parser.add_argument("--factors", type=float, nargs="+", default=[2.0, 0.5])
+    parser.add_argument("--only", default="", help="a list that `table` wrote, such as nothing")
     parser.add_argument("--minutes", type=float, default=60.0, help="how long to vary")
     parser.add_argument("--limit", type=float, default=20.0, help="seconds of the processor for one run")
     given = parser.parse_args()
@@ -958,7 +973,7 @@ def main() -> None:
     if given.stage in ("all", "trace"):
         trace(work, given.limit)
     if given.stage in ("all", "vary"):
-        vary(work, given.limit, given.jobs, given.factors, given.minutes)
+        vary(work, given.limit, given.jobs, given.factors, given.minutes, given.only)
     if given.stage in ("all", "table"):
         table(work, given.limit, given.factors)
 

@@ -6,6 +6,9 @@ use crate::spline::field::Field;
 use nalgebra as na;
 use std::sync::Arc;
 
+/// Sides of a region within this share of its size are one line of a face that closes.
+const CLOSED: f64 = 1e-9;
+
 impl State {
     /// Mean point and principal axes (longest first) of a region's vertices.
     pub(super) fn axes_of_region(&self, label: u32) -> (Vec3, [Vec3; 3]) {
@@ -50,6 +53,28 @@ impl State {
     pub(super) fn cut_across(&mut self, label: u32, mean: &Vec3, direction: &Vec3, at: f64) -> Option<Vec<u32>> {
         let surface = Arc::clone(&self.surface);
         self.parted(label, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at)
+    }
+
+    /// Cuts a region that meets itself along a line of parameters at which the face closes, all round a pole or as a ring, along
+    /// the line opposite; the labels of all parts. `None` for others.
+    ///
+    /// Round a pole a panel without a slit has no border there, and one with it would meet itself.
+    pub(super) fn cut_open(&mut self, label: u32) -> Option<Vec<u32>> {
+        let b = self.partition.bounds(label);
+        let near = CLOSED * self.bbox(label).diagonal();
+        let places: Vec<[f64; 2]> =
+            self.partition.region_vertices(label).into_iter().map(|v| self.partition.vertices[v as usize]).collect();
+        let closes = |d: usize| {
+            let at_end = |p: &[f64; 2], end: f64| if d == 0 { [end, p[1]] } else { [p[0], end] };
+            let side: Vec<Vec3> =
+                places.iter().filter(|p| p[d] == b[2 * d]).map(|p| self.surface.point(p[0], p[1])).collect();
+            let other = places.iter().filter(|p| p[d] == b[2 * d]).map(|p| at_end(p, b[2 * d + 1]));
+            let meets = side.iter().zip(other).all(|(x, p)| (self.surface.point(p[0], p[1]) - x).norm() <= near);
+            meets && side.iter().any(|x| (x - side[0]).norm() > near)
+        };
+        let d = (0..2).find(|&d| closes(d))?;
+        let middle = 0.5 * (b[2 * d] + b[2 * d + 1]);
+        self.parted(label, |p| p[d] - middle)
     }
 
     /// Cuts a region where a function of the parameters is zero; the labels of all parts. `None` if that separates nothing.

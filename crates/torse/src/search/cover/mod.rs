@@ -528,7 +528,10 @@ impl Job<'_> {
                 state = next;
                 continue;
             }
-            state = self.bisect(state, label, usize::MAX, 0)?;
+            state = match state.cut_open(label) {
+                Some(parts) => self.parts(state, &parts, usize::MAX, 0)?,
+                None => self.bisect(state, label, usize::MAX, 0)?,
+            };
         }
         Some(state)
     }
