@@ -74,6 +74,8 @@ impl Default for StripPotentialOptions {
 
 /// Floor on `√|det II|`, as a share of the region's largest curvature (B3.2).
 const FLOOR: f64 = 0.12;
+/// Samples at which the square of a speed is below this share of its largest are at a pole, where forms are rounding errors.
+const COLLAPSED: f64 = 1e-12;
 /// Samples flatter than this share of the 90 % quantile say nothing about φ (C3).
 const FLAT: f64 = 0.02;
 /// Share of samples whose ratio may stay below one after rescaling.
@@ -303,11 +305,13 @@ fn problem(samples: &[Forms], border: &[[f64; 2]], options: &StripPotentialOptio
     }
     let mut rows = Vec::new();
     let mut speed = [0.0, 0.0];
+    let most = |of: usize| samples.iter().map(|s| s.first[of]).fold(0.0, f64::max);
+    let [most_e, most_g] = [most(0), most(2)];
     for s in samples {
         let k = curvature(s);
         let [e, f, g] = s.first;
         let metric = e * g - f * f;
-        if !(k.is_finite() && metric > 0.0) || k < FLAT * high {
+        if !(k.is_finite() && metric > 0.0 && e > COLLAPSED * most_e && g > COLLAPSED * most_g) || k < FLAT * high {
             continue;
         }
         let det = s.second[0] * s.second[2] - s.second[1] * s.second[1];
@@ -549,6 +553,16 @@ mod tests {
         assert!((r - 1.5).abs() < 0.08, "{r}");
         let density = straight_bands(&half, [1.0, 0.0]).density;
         assert!((density[2] / density[20] - 2.0).abs() < 1e-9, "{density:?}");
+    }
+
+    /// At a pole forms are rounding errors, which say nothing about the bands elsewhere.
+    #[test]
+    fn collapsed_samples_do_not_count() {
+        let mut s = grid(|_, _| ([1.0, 0.0, 1.0], [4.0, 0.0, 1.0]));
+        s[7].first = [1e-30, 0.0, 1.0];
+        s[7].second = [1e-16, 0.0, 1.0];
+        let range = straight_bands(&s, [0.0, 1.0]).range;
+        assert!((range - 1.0).abs() < 1e-9, "{range}");
     }
 
     /// Bands wanted at 40° to the sides of a paraboloid follow that direction; where none is wanted there is no field.

@@ -111,3 +111,35 @@ pub(super) fn axes_of(points: &[(Vec3, f64)]) -> (Vec3, [Vec3; 3]) {
     order.sort_by(|&a, &b| e.eigenvalues[b].total_cmp(&e.eigenvalues[a]));
     (mean, order.map(|k| e.eigenvectors.column(k).into_owned()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::face::Face;
+    use crate::brep::support_surface::SupportSurface;
+    use crate::geom::Frame;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn cap(turn: f64, down_to: f64) -> State {
+        let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: 10.0 };
+        let (surface, _) = sphere.to_spline((0.0, turn), (down_to, FRAC_PI_2)).expect("a sphere");
+        State::of_face(&Face::untrimmed(surface), 1.0).expect("triangles")
+    }
+
+    #[test]
+    fn caps_round_a_pole_become_two_halves_that_end_on_it() {
+        let mut state = cap(2.0 * PI, 1.2);
+        let area = state.area(0);
+        let parts = state.cut_open(0).expect("two halves");
+        assert_eq!(parts.len(), 2);
+        for l in parts {
+            assert!((state.area(l) - 0.5 * area).abs() < 1e-6 * area);
+            assert_eq!(state.cut_open(l), None);
+        }
+    }
+
+    #[test]
+    fn what_does_not_meet_itself_is_left_alone() {
+        assert_eq!(cap(1.9 * PI, 1.2).cut_open(0), None);
+    }
+}

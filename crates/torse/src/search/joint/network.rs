@@ -141,15 +141,20 @@ impl Member {
         along + (off.norm_squared() - along * along).max(0.0).sqrt()
     }
 
-    /// The foot of a point on the nearest rulings on which it has one.
+    /// The nearest foot of a point: where a strip that goes all round overlaps itself, it has one at either end.
     pub fn foot_anywhere(&self, rulings: &Rulings, x: &Vec3) -> Option<Foot> {
-        rulings.near(x).into_iter().find_map(|t| self.foot(x, t))
+        nearest(rulings.near(x).into_iter().filter_map(|t| self.foot(x, t)))
     }
 
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
         let foot = self.strip.foot(x, guess, self.side)?;
         (foot.regular * self.sense >= LOST * self.least).then_some(foot)
     }
+}
+
+/// The foot at the least distance.
+pub(super) fn nearest(feet: impl Iterator<Item = Foot>) -> Option<Foot> {
+    feet.min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()))
 }
 
 impl Network<'_> {

@@ -5,7 +5,7 @@ use super::asked::Asked;
 use super::envelope::Envelope;
 use super::form::Foot;
 use super::line::{End, Line};
-use super::network::{median, Member, Network, Sample, UNIT};
+use super::network::{median, nearest, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
 use crate::brep::face::Face;
@@ -177,7 +177,7 @@ impl Start {
         };
         let near: Vec<Vec<Foot>> = places.iter().map(feet_of).collect();
         let sense = near.iter().filter_map(|f| f.first()).map(|f| f.regular.signum()).sum::<f64>().signum();
-        let on_sheet = |f: &Vec<Foot>| f.iter().find(|f| f.regular * sense > 0.0).copied();
+        let on_sheet = |f: &Vec<Foot>| nearest(f.iter().copied().filter(|f| f.regular * sense > 0.0));
         let feet: Vec<Foot> = near.iter().map(on_sheet).collect::<Option<_>>()?;
         let side = feet.iter().zip(places).map(|(f, p)| f.normal.dot(&p.1).signum()).sum::<f64>().signum();
         let sizes = feet.iter().map(|f| f.regular.abs());

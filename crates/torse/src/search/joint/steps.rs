@@ -33,7 +33,7 @@ const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
 /// Growth of the merit that is nothing.
 const NOTHING: f64 = 1e-3;
-/// Steps whose gains tell what is to be had of others.
+/// Steps whose gains tell what is to be had of others: where these gain nothing, whatever gaps are left stay.
 const LAST: usize = 2;
 /// Factors on the damping after good, poor and refused steps.
 const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
@@ -62,7 +62,7 @@ impl<'a> Joint<'a> {
     /// Steps as long as they make the networks better, and, where that is asked, as long as these may come near enough.
     pub(super) fn improve(&mut self, control: &Control, near_enough: bool) {
         let begun = !self.steps.is_empty();
-        let (mut damping, mut reach, mut far, mut count) = (1.0, 1.0, false, 0);
+        let (mut damping, mut reach, mut far, mut count, mut idle) = (1.0, 1.0, false, 0, 0);
         let most = |far: bool| if far { FAR_STEPS } else { STEPS };
         while count < most(far) && !control.stopped() {
             let now = &self.fleet;
@@ -130,7 +130,9 @@ impl<'a> Joint<'a> {
                 return;
             }
             let stalled = if reached[0] < 1.0 { STALLED.0 } else { STALLED.0 * STALLED.1 };
-            if !is_part && (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1 && gained < stalled {
+            idle = if gained < stalled { idle + 1 } else { 0 };
+            let is_near = (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1;
+            if !is_part && idle > 0 && (is_near || idle == LAST) {
                 return;
             }
         }
