@@ -22,19 +22,29 @@ fn radial(a: f64, b: f64) -> Vec3 {
     Vec3::new(b.cos() * a.cos(), b.cos() * a.sin(), b.sin())
 }
 
-/// The cone tangent to the sphere along a parallel, its rulings of unequal length.
-fn tangent_cone(b: f64) -> DualTorse {
-    let angles: Vec<f64> = (0..=200).map(|i| -0.2 + 1.4 * f64::from(i) / 200.0).collect();
-    let planes: Vec<[f64; 4]> = angles.iter().map(|&a| radial(a, b)).map(|n| [n.x, n.y, n.z, RADIUS]).collect();
-    let knots = Knots::uniform(3, 20, angles[0], angles[200]).expect("knots");
+/// The cone tangent to the sphere along a parallel from longitude 0 to `end`, its rulings of unequal length; beyond both ends it
+/// may leave the sphere, by the square of the longitude.
+fn tangent_cone(b: f64, (end, leaves): (f64, f64)) -> DualTorse {
+    let angles: Vec<f64> = (0..=400).map(|i| -0.2 + (end + 0.4) * f64::from(i) / 400.0).collect();
+    let plane = |a: f64| {
+        let (n, beyond) = (radial(a, b), (-a).max(a - end).max(0.0));
+        [n.x, n.y, n.z, RADIUS * (1.0 + leaves * beyond * beyond)]
+    };
+    let planes: Vec<[f64; 4]> = angles.iter().map(|&a| plane(a)).collect();
+    let knots = Knots::uniform(3, 20 * end.ceil() as usize, angles[0], angles[400]).expect("knots");
     DualTorse { planes: lsq::fit(&planes, &angles, &knots).expect("planes").curve }
 }
 
 /// The sphere between longitudes 0 and 1 and the outer levels, cut at the inner ones, with tangent cones.
 fn zones(levels: &[f64]) -> (Face, State) {
+    zones_to((1.0, 0.0), levels)
+}
+
+/// The same to another longitude, with cones that leave the sphere beyond.
+fn zones_to((end, leaves): (f64, f64), levels: &[f64]) -> (Face, State) {
     let last = levels.len() - 1;
     let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: RADIUS };
-    let (surface, map) = sphere.to_spline((0.0, 1.0), (levels[0], levels[last])).expect("a spline");
+    let (surface, map) = sphere.to_spline((0.0, end), (levels[0], levels[last])).expect("a spline");
     let face = Face::untrimmed(surface);
     let mut state = State::of_face(&face, 30.0).expect("a state");
     state.partition.labels.fill(0);
@@ -43,7 +53,7 @@ fn zones(levels: &[f64]) -> (Face, State) {
         state.cut(k as u32, k as u32 + 1, |p| p[1] - at);
     }
     for (k, w) in levels.windows(2).enumerate() {
-        let torse = Torse::Dual(tangent_cone(0.5 * (w[0] + w[1])));
+        let torse = Torse::Dual(tangent_cone(0.5 * (w[0] + w[1]), (end, leaves)));
         state.panels.insert(k as u32, Arc::new(Fit { torse, kind: PanelKind::Cone, error: 0.0, worst: 0 }));
     }
     (face, state)
@@ -88,6 +98,17 @@ fn unequal_zones_become_even_by_slides() {
     }
 }
 
+/// Zones that go all round overlap themselves where they begin: what they are there at their other end does not count.
+#[test]
+fn zones_all_round_have_their_own_feet() {
+    let (face, state) = zones_to((std::f64::consts::TAU, 0.1), &[0.3, 0.41, 0.52]);
+    let tolerance = half_sagitta(0.11) / 0.9;
+    let held = |_| false;
+    let found = joined(&face, &state, chains(&face, &state), &asked(&held, 2.0 * tolerance), &Control::default());
+    let start = found.expect("joined").start;
+    assert!(start[0] < 1.0, "{start:?}");
+}
+
 #[test]
 fn edges_lie_on_both_strips() {
     let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
@@ -129,7 +150,7 @@ fn strips_that_are_left_out_keep_their_borders() {
 /// Distances and what must keep its sign against small changes of every unknown of a strip in turn.
 #[test]
 fn rows_of_strips_match_differences() {
-    let cone = tangent_cone(0.06);
+    let cone = tangent_cone(0.06, (1.0, 0.0));
     let range = (-0.15, 1.15);
     let strips =
         [Envelope::new(&cone, range, 12).map(Strip::Planes), Profile::of_planes(&cone, range, 12).map(Strip::Profile)];
