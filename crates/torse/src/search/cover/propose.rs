@@ -179,14 +179,7 @@ impl Job<'_> {
             let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
             let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
             let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
-            let clearance = WANTED_CLEARANCE * state.width(label);
-            let usual = DualOptions {
-                clearance,
-                bend_radius,
-                least_bend_radius: self.needed_bend(),
-                control: control(),
-                ..DualOptions::new(allowed * KEEN)
-            };
+            let usual = self.dual_options(state, label);
             // Slender bands need more spans; many spans on short ones come too near the regression curve.
             let mut counts = vec![usual.spans];
             if fine > usual.spans * 5 / 4 {
@@ -217,6 +210,18 @@ impl Job<'_> {
         best
     }
 
+    /// How dual torses are fitted to a band.
+    fn dual_options(&self, state: &State, label: u32) -> DualOptions {
+        let limit = self.options.limits.min_bend_radius.unwrap_or(0.0);
+        DualOptions {
+            clearance: WANTED_CLEARANCE * state.width(label),
+            bend_radius: self.wanted_bend(),
+            least_bend_radius: (NEEDED.0 * WANTED_BEND * self.patch_bend()).max(NEEDED.1 * WANTED_LIMIT * limit),
+            control: self.control.clone(),
+            ..DualOptions::new(self.options.tolerance * DISTANCE_SHARE * KEEN)
+        }
+    }
+
     /// Smallest radius of curvature at which a patch can be laid around a panel, mm.
     fn patch_bend(&self) -> f64 {
         least_bend(self.face.surface.bbox().diagonal(), self.options.tolerance)
@@ -231,12 +236,6 @@ impl Job<'_> {
     fn wanted_bend(&self) -> f64 {
         let limit = self.options.limits.min_bend_radius.unwrap_or(0.0);
         (WANTED_BEND * self.patch_bend()).max(WANTED_LIMIT * limit)
-    }
-
-    /// The radius of curvature for which fits are started again, mm.
-    fn needed_bend(&self) -> f64 {
-        let limit = self.options.limits.min_bend_radius.unwrap_or(0.0);
-        (NEEDED.0 * WANTED_BEND * self.patch_bend()).max(NEEDED.1 * WANTED_LIMIT * limit)
     }
 
     /// The loop of propose, judge and refine for one torse.
