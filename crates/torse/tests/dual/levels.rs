@@ -119,6 +119,8 @@ fn planes_of_a_thinned_dual_spline_stay_within_the_bound() {
         })
         .collect();
     let curve = Curve { knots: level(1), control };
+    // Points of both splines are as long as the region, and rounded.
+    const ROUNDING: f64 = 1e-15;
     let mut seen = 0.0_f64;
     for tolerance in [3e-2, 1e-3, 1e-5] {
         let t = thinned(&curve, &[level(2), level(4), level(8)], tolerance).expect("thinned");
@@ -129,11 +131,12 @@ fn planes_of_a_thinned_dual_spline_stay_within_the_bound() {
         for i in 0..=2000 {
             let [u, v] = [&given, &found].map(|c| c.planes().point(f64::from(i) / 2000.0));
             let e = [0, 1, 2].map(|d| u[d] - v[d]);
-            assert!(e.iter().all(|x| x.abs() <= t.error_bound), "{e:?} {}", t.error_bound);
+            assert!(e.iter().all(|x| x.abs() <= t.error_bound + ROUNDING), "{e:?} {}", t.error_bound);
             // Root mean square over the disc: 1, 1/4 and 1/4 are the moments per area.
             worst = worst.max((disc.distance_sq(&e) / disc.mass()).sqrt());
         }
-        assert!(worst <= 1.5f64.sqrt() * t.error_bound && t.error_bound <= tolerance, "{worst} {}", t.error_bound);
+        let allowed = 1.5f64.sqrt() * t.error_bound + ROUNDING;
+        assert!(worst <= allowed && t.error_bound <= tolerance, "{worst} {}", t.error_bound);
         seen = seen.max(worst / tolerance);
     }
     // Something was dropped, or nothing would have been measured.
