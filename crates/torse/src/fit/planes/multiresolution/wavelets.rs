@@ -189,7 +189,7 @@ pub struct Thinned<const D: usize> {
     pub kept: usize,
     /// Detail control points of all levels.
     pub total: usize,
-    /// No coordinate of the reconstruction differs by more than this from the given curve, anywhere.
+    /// No coordinate of the reconstruction differs by more than this from the given curve, anywhere, up to rounding.
     pub error_bound: f64,
 }
 
