@@ -21,10 +21,10 @@ Stages, each of which takes up what the one before left in the folder WORK:
          reads it most often, then the next cheapest, preferably of another command, up to --jobs of them. First every
          constant with its first job, then with its second, so that --minutes may end it at any time; started again,
          it begins with what has not moved anything yet.
-         Appends to runs.jsonl. With --only, just the constants of a list that `table` wrote: `--only nothing --factors 1000
-        0.001` tells which of those that half and double leave alone are guards, and which do nothing whatever they are.
+         Appends to runs.jsonl. With --only, just the constants of a list that `table` wrote: `--only nothing --factors
+         1000 0.001` tells which of those that half and double leave alone are guards, and which do nothing at all.
 `table`  writes tuning.md (what changes) and lists: nothing.txt (read, but the report stays the same to the last digit),
-        idle.txt (those of them that do nothing far off either),
+         idle.txt (those of them that do nothing far off either),
          digits.txt (only digits change), unread.txt (no job reads it), better.txt (better in some jobs, worse in none),
          worse.txt (all changes, the worst first).
 
@@ -902,7 +902,8 @@ def table(work: Path, limit: float, factors: list) -> None:
             continue
         told = {factor: runs.get((c["id"], factor), []) for factor in sorted(factors)}
         cells = {factor: cell(those) for factor, those in told.items()}
-        far = [(*t[:2], f"×{f:g} {t[2]}") for (id, f), those in runs.items() if id == c["id"] and f not in told for t in those]
+        others = ((factor, those) for (number, factor), those in runs.items() if number == c["id"] and factor not in told)
+        far = [(harm, words, f"×{factor:g} {job}") for factor, those in others for harm, words, job in those]
         everything = [t for those in told.values() for t in those]
         if everything and not any(t[1] for t in everything):
             lists["nothing"].append(f"{place}  ({len(everything)} runs)")
@@ -938,7 +939,8 @@ def table(work: Path, limit: float, factors: list) -> None:
         "# What the constants do", "", summary, "",
         "Cells tell the worst over the jobs that ran: which, and in how many of them anything changed. `digits`: the "
         "report changes, but not the status, panels, seams, nor the bound by half a per cent of its limit. `far off`: at "
-        "a thousandth and a thousand times the value, of what half and double leave alone. `—`: not varied, or not run. `†`: not varied where the length of an array or another constant is made of it.",
+        "a thousandth and a thousand times the value, of what half and double leave alone. `—`: not varied, or not run. "
+        "`†`: not varied where the length of an array or another constant is made of it.",
         "", "| job | command | exit | panels | bound / limit | exact seams | cpu-s | reads |",
         "|---|---|---|---|---|---|---|---|",
     ]

@@ -99,9 +99,8 @@ impl Scale {
 /// *Input*: at least 6 samples and 4 centre points in order along the strip; the line should run nearly the whole
 /// length of the strip. *Result*: a fit whose domain reaches beyond all feet and whose regression curve is clear of all
 /// samples; of several starts the first wins whose fit has the room that is needed, and no other is tried after a fit that is
-/// too far away for room to matter. `None` if no regular start exists
-/// (inflections, asymptotic centre lines, foldings), or with too few or invalid data. *Not guaranteed*: that the error is
-/// within the tolerance, or that the room wanted is kept.
+/// too far away for room to matter. `None` if no regular start exists (inflections, asymptotic centre lines, foldings), or
+/// with too few or invalid data. *Not guaranteed*: that the error is within the tolerance, or that the room wanted is kept.
 pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -> Option<Fit> {
     // Shares of the parameter range by which the start reaches beyond the centre line, with weights of third
     // differences: light ones leave the data alone to about their cube, heavy ones iron out a wavy centre line.
