@@ -4,6 +4,7 @@ use super::build::{build, Built};
 use super::cover::{CoverOptions, Job, SeamPlane, State};
 use crate::brep::face::Face;
 use crate::control::Control;
+use crate::torse::form::PanelKind;
 
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 6;
@@ -44,7 +45,11 @@ impl Task<'_> {
         let mut options = self.options_with(&seams);
         let mut round = 0;
         loop {
-            let (built, refused) = build(self.index, self.face, &state, self.whole);
+            let (built, mut refused) = build(self.index, self.face, &state, self.whole);
+            // Both sides of a slit lie on one line of a plane: trims may be told apart by their errors, drawings are not.
+            let slit =
+                state.panels.iter().filter(|(&l, fit)| fit.kind == PanelKind::Plane && state.meets_itself(l).is_some());
+            refused.extend(slit.map(|(&l, _)| l).filter(|l| !refused.contains(l)).collect::<Vec<_>>());
             if refused.is_empty() {
                 return Laid { state, built, accepted: true, seams };
             }

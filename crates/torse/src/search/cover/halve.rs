@@ -60,6 +60,12 @@ impl State {
     ///
     /// Round a pole a panel without a slit has no border there, and one with it would meet itself.
     pub(super) fn cut_open(&mut self, label: u32) -> Option<Vec<u32>> {
+        let (d, middle) = self.meets_itself(label)?;
+        self.parted(label, |p| p[d] - middle)
+    }
+
+    /// The parameter (0: u, 1: v) in which a region goes from one side of a face that closes to the other, and its middle.
+    pub(in crate::search) fn meets_itself(&self, label: u32) -> Option<(usize, f64)> {
         let b = self.partition.bounds(label);
         let near = CLOSED * self.bbox(label).diagonal();
         let places: Vec<[f64; 2]> =
@@ -73,8 +79,7 @@ impl State {
             meets && side.iter().any(|x| (x - side[0]).norm() > near)
         };
         let d = (0..2).find(|&d| closes(d))?;
-        let middle = 0.5 * (b[2 * d] + b[2 * d + 1]);
-        self.parted(label, |p| p[d] - middle)
+        Some((d, 0.5 * (b[2 * d] + b[2 * d + 1])))
     }
 
     /// Cuts a region where a function of the parameters is zero; the labels of all parts. `None` if that separates nothing.
