@@ -12,7 +12,9 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 use torse::geom::{Frame, Vec3};
-use torse::io::step::write::{self, EdgeUse, Header, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface};
+use torse::io::step::write::{
+    self, EdgeUse, Header, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface, SurfaceForm,
+};
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
@@ -42,6 +44,7 @@ fn models() -> Outcome<Vec<(&'static str, Shell)>> {
         spline("wavy_roof", freeform(3, [9, 6], wavy_roof)?),
         spline("saddle", freeform(3, [4, 4], saddle)?),
         spline("torus_piece", torus_piece()?),
+        ("dished_end", dished_end()?),
         ("cone_holes", cone_holes()?),
         ("cylinder_holes", cylinder_holes()?),
         ("bracket", bracket::bracket()?),
@@ -109,6 +112,36 @@ fn torus_piece() -> Outcome<Surface> {
         }
     }
     Ok(Surface::new(knots.clone(), knots, &points, Some(&weights))?)
+}
+
+/// The end of a vessel 1 m wide: half an ellipsoid, half as deep as its radius; one face with a pole, exact, rational.
+fn dished_end() -> Outcome<Shell> {
+    let (radius, depth, half) = (500.0, 250.0, 0.5f64.sqrt());
+    // Quarters of circles between their ends: the middle control point lies where the end tangents meet.
+    let quarters =
+        [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (-1.0, 1.0), (-1.0, 0.0), (-1.0, -1.0), (0.0, -1.0), (1.0, -1.0)];
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for k in 0..=8 {
+        let (cos, sin) = quarters[k % 8];
+        for (j, (r, z)) in [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].into_iter().enumerate() {
+            points.push(Vec3::new(radius * r * cos, radius * r * sin, depth * z));
+            weights.push(if k % 2 == 1 { half } else { 1.0 } * if j == 1 { half } else { 1.0 });
+        }
+    }
+    let around = [0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0];
+    let around = Knots::new(2, around.to_vec(), 9)?;
+    let surface = Surface::new(around, Knots::clamped(2, &[0.0, 1.0])?, &points, Some(&weights))?;
+    let meridian = Curve { knots: surface.knots_v.clone(), control: surface.control[..3].to_vec() };
+    let mut sheet = Shell { name: "dished_end".into(), ..Shell::default() };
+    sheet.vertices = vec![Vec3::new(radius, 0.0, 0.0), Vec3::new(0.0, 0.0, depth)];
+    sheet.edges = vec![
+        ShellEdge { start: 0, end: 0, curve: ShellCurve::Circle { frame: Frame::world(), radius } },
+        ShellEdge { start: 0, end: 1, curve: ShellCurve::Rational(meridian) },
+    ];
+    let loops = vec![uses(&[(0, true), (1, true), (1, false)])];
+    let surface = ShellSurface::Spline { surface, form: SurfaceForm::Unspecified };
+    sheet.faces.push(ShellFace { name: "dished end".into(), surface, reversed: false, loops });
+    Ok(sheet)
 }
 
 /// A hopper: 200° of a cone between a circle and an oblique plane, with two holes.

@@ -10,6 +10,7 @@ pub(crate) mod conic;
 pub mod face;
 pub mod free_curve;
 pub(crate) mod join;
+pub(crate) mod meridian;
 pub(crate) mod nearest_on_curve;
 pub(crate) mod offset;
 pub(crate) mod offset_bound;

@@ -13,10 +13,10 @@
 //! *Poles and curls*. Where `S_u × S_v` vanishes at the rim of the region (poles), or a surface curls up there in a space
 //! far smaller than the tolerance (faulty files do), the sign of `N·(S_u × S_v)` cannot be shown. Let B be such a
 //! triangle with a corner on the rim. A point of the region, anywhere, whose foot is also the foot of a point b of B is at
-//! most D, the bound for all points, from that foot; and a way on the torse leads from there to the foot of the rim
-//! corner: the image of the segment from b to the corner, whose length is bounded. It goes on to the trimming curve as
-//! from every point of the rim. So the greatest such length is added to the mismatch δ of the trim, and enters with it.
-//! All other points have positive degree as in part (c) of the theorem.
+//! most D, the bound for all points, from that foot, and so at most 2D from b; and a way on the torse leads from there to the
+//! foot of the rim corner: the image of the segment from b to the corner, whose length is bounded. It goes on to the trimming
+//! curve as from every point of the rim. So the greatest such length is added to the mismatch δ of the trim there, and enters with
+//! it, for all points that are no farther than 2D from B. All other points have positive degree as in part (c) of the theorem.
 
 use super::cell::{Bench, CellBound, Good};
 use super::family::Family;
@@ -29,6 +29,7 @@ use crate::num::hash::{HashMap, HashSet};
 use crate::num::interval::Interval;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -91,29 +92,48 @@ impl Curl {
     const NONE: Self = Self { way: 0.0, curvature: 0.0 };
 
     fn of(accepted: &[Accepted]) -> Self {
-        accepted.iter().filter(|a| a.good.fold == 0).fold(Self::NONE, |c, a| Self {
-            way: c.way.max(a.good.way),
+        accepted.iter().filter(|a| a.good.fold == 0).fold(Self::NONE, Self::with_part)
+    }
+
+    /// The same with a triangle that may fold.
+    fn with_part(self, part: &Accepted) -> Self {
+        Self {
+            way: self.way.max(part.good.way),
             // At most the reciprocal, rounded up; infinite for a radius of 0.
-            curvature: c.curvature.max((1.0 / a.good.bend_radius).next_up()),
-        })
+            curvature: self.curvature.max((1.0 / part.good.bend_radius).next_up()),
+        }
+    }
+
+    /// By given triangle, of those with parts that may fold.
+    fn of_each(accepted: &[Accepted]) -> Vec<(usize, Self)> {
+        let mut out: BTreeMap<usize, Self> = BTreeMap::new();
+        for part in accepted.iter().filter(|a| a.good.fold == 0) {
+            let whole = out.entry(part.of).or_insert(Self::NONE);
+            *whole = whole.with_part(part);
+        }
+        out.into_iter().collect()
     }
 
     /// Bound of the distance between points of the region and the torse over the region, as in the theorem.
     fn with(&self, distance: f64) -> f64 {
         if self.way > 0.0 {
-            way_total(distance, self.way, self.curvature, 0.0)
+            way_total(distance, self.way, sag(self.way, self.curvature), 0.0)
         } else {
             distance
         }
     }
 }
 
-/// `√((D + κδ²/2)² + δ²) + η`, rounded up: how far a point at most D off the torse is from the end of a way of length δ
-/// on it, with curvature κ, that begins at its foot; and η farther.
-pub(super) fn way_total(distance: f64, way: f64, curvature: f64, more: f64) -> f64 {
-    let square = Interval::point(way).sqr();
-    let normal = Interval::point(distance) + (square * curvature).scale_exact(0.5);
-    ((normal.sqr() + square).sqrt() + Interval::point(more)).hi
+/// `√((D + s)² + δ²) + η`, rounded up: how far a point at most D off the torse is from the end of a way of length δ on it that
+/// begins at its foot and leaves the tangent plane by at most s; and η farther.
+pub(super) fn way_total(distance: f64, way: f64, sag: f64, more: f64) -> f64 {
+    let normal = Interval::point(distance) + Interval::point(sag);
+    ((normal.sqr() + Interval::point(way).sqr()).sqrt() + Interval::point(more)).hi
+}
+
+/// `κδ²/2`, rounded up: how far a way of length δ on a surface of curvature κ leaves the tangent plane where it begins.
+pub(super) fn sag(way: f64, curvature: f64) -> f64 {
+    (Interval::point(way).sqr() * curvature).scale_exact(0.5).hi
 }
 
 /// Halvings of a given triangle at most; corners stay exact enough for that many.
@@ -216,6 +236,8 @@ pub(super) struct Judged {
     pub feet: Feet,
     /// Bound of the distance over each given triangle; empty unless it holds.
     pub bounds: Vec<f64>,
+    /// Given triangles, by number, of which a part at the rim may fold.
+    pub folds: Vec<(usize, Curl)>,
 }
 
 /// As [`distance`], with a tolerance for every triangle.
@@ -234,7 +256,7 @@ pub(super) fn judge(
         let (min_bend_radius, regression_clearance) = (least, least);
         let parts =
             JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0, curl: Curl::NONE };
-        Judged { parts, feet: Feet::default(), bounds: Vec::new() }
+        Judged { parts, feet: Feet::default(), bounds: Vec::new(), folds: Vec::new() }
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
     let Some(any) = triangles.first() else {
@@ -309,7 +331,7 @@ pub(super) fn judge(
         looks,
         curl: Curl::of(&accepted),
     };
-    Judged { parts, feet, bounds }
+    Judged { parts, feet, bounds, folds: Curl::of_each(&accepted) }
 }
 
 /// A place in the middle of a region, about: enclosures over intervals of parameters widen with the distance from the origin.

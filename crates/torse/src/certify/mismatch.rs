@@ -3,13 +3,13 @@
 //! *Theorem*. With paths as in [`boundary`](super::boundary), a point y of the panel that is on no path is the foot of some
 //! point X of the region, and D(X) away from it: nothing is added there. A point on a path from the foot of X′ on the
 //! boundary is at most `√((D(X′) + κδ²/2)² + δ²)` from X′, with δ and κ of the side of the boundary on which X′ lies.
-//! Conversely, the foot P of a point X of the region is on the panel, or on such a path, and then at most δ along the torse
+//! With several sides near, the largest δ and the largest κδ²/2 of one of them are enough. Conversely, the foot P of a point X of the region is on the panel, or on such a path, and then at most δ along the torse
 //! from a point of the panel's boundary: X is at most `√((D(X) + κδ²/2)² + δ²)` from that. In this case
 //! `|X − X′| ≤ |X − P| + |P − P′| + |P′ − X′| ≤ D(X) + δ + D(X′)`. So a side adds its mismatch to those triangles only that
 //! are nearer to it than 2D + δ, and to those that it bounds. Nearness is judged by boxes in space.
 
 use super::boundary::Side;
-use super::distance::{way_total, Curl};
+use super::distance::{sag, way_total, Curl};
 use super::prepared::Prepared;
 use crate::num::interval::Interval;
 use rayon::prelude::*;
@@ -25,23 +25,38 @@ pub(super) struct Mismatch {
     pub delta: f64,
     /// Bound of the torse's curvature along them, 1/mm.
     pub curvature: f64,
+    /// Bound of κδ²/2, mm: short paths may run where the torse is bent sharply, and long ones where it is not.
+    pub sag: f64,
     /// What is added to all, mm.
     pub eta: f64,
 }
 
 impl Mismatch {
+    /// What is added by rounding, and nothing else.
+    pub fn of_rounding(eta: f64) -> Self {
+        Self { delta: 0.0, curvature: 0.0, sag: 0.0, eta }
+    }
+
+    /// The same with a side of the boundary.
+    pub fn with_side(self, side: &Side) -> Self {
+        Self {
+            delta: self.delta.max(side.bound),
+            curvature: self.curvature.max(side.curvature),
+            sag: self.sag.max(sag(side.bound, side.curvature)),
+            ..self
+        }
+    }
+
     /// `√((D + κδ²/2)² + δ²) + η`, rounded up.
     pub fn total(&self, distance: f64) -> f64 {
-        way_total(distance, self.delta, self.curvature, self.eta)
+        way_total(distance, self.delta, self.sag, self.eta)
     }
 
     /// The mismatch where a region folds at its rim: ways to the trimming curves are longer by the ways to the rim.
     pub fn with(&self, curl: &Curl) -> Self {
-        Self {
-            delta: (Interval::point(self.delta) + Interval::point(curl.way)).hi,
-            curvature: self.curvature.max(curl.curvature),
-            ..*self
-        }
+        let delta = (Interval::point(self.delta) + Interval::point(curl.way)).hi;
+        let curvature = self.curvature.max(curl.curvature);
+        Self { delta, curvature, sag: sag(delta, curvature), ..*self }
     }
 
     /// A distance for which [`Mismatch::total`] stays within the tolerance; not positive when there is none.
@@ -53,7 +68,7 @@ impl Mismatch {
             return 0.0;
         }
         let square = self.delta * self.delta;
-        (rest * rest - square).sqrt() - 0.5 * self.curvature * square - ROUNDING * tolerance
+        (rest * rest - square).sqrt() - self.sag - ROUNDING * tolerance
     }
 
     /// What each triangle adds, where no distance is above the tolerance: `self`, but of the sides that are near alone.
@@ -68,29 +83,63 @@ impl Mismatch {
             return vec![*self; triangles.len()];
         }
         let reach = (Interval::point(tolerance) * Interval::point(2.0) + Interval::point(self.delta)).hi;
-        let around = |t: &[[f64; 2]; 3]| {
-            let patch = prepared.patch_of(t)?;
-            Some(patch.over(t).around(&patch.centre))
-        };
-        // A side whose box is not known is near to all.
-        let boxes: Vec<(Option<[Interval; 3]>, &Side)> = sides
-            .par_iter()
-            .map(|s| (around(&[s.ends[0], s.ends[1], s.ends[1]]).map(|b| b.map(|x| x.widen(reach))), s))
-            .collect();
-        let near = |a: &Option<[Interval; 3]>, b: &Option<[Interval; 3]>| match (a, b) {
-            (Some(a), Some(b)) => (0..3).all(|d| a[d].lo <= b[d].hi && b[d].lo <= a[d].hi),
-            _ => true,
-        };
+        let around = |s: &Side| around(prepared, &[s.ends[0], s.ends[1], s.ends[1]]);
+        let boxes: Vec<(Around, &Side)> = sides.par_iter().map(|s| (widened(around(s), reach), s)).collect();
         let of = |t: &[[f64; 2]; 3]| {
-            let here = around(t);
+            let here = self::around(prepared, t);
             let sides = boxes.iter().filter(|(b, _)| near(&here, b));
-            sides.fold(Self { delta: 0.0, curvature: 0.0, ..*self }, |m, (_, s)| Self {
-                delta: m.delta.max(s.bound),
-                curvature: m.curvature.max(s.curvature),
-                ..m
-            })
+            sides.fold(Self::of_rounding(self.eta), |m, (_, s)| m.with_side(s))
         };
         triangles.par_iter().map(of).collect()
+    }
+
+    /// What each triangle adds, `local`, where parts of some of them may fold at the rim: points no farther from these than twice the
+    /// distance may have the way to the rim before them, and that from there to the trimming curve.
+    pub fn with_folds(
+        local: &[Self],
+        folds: &[(usize, Curl)],
+        (prepared, triangles): (&Prepared, &[[[f64; 2]; 3]]),
+        tolerance: f64,
+    ) -> Vec<Self> {
+        let reach = (Interval::point(tolerance) * Interval::point(2.0)).hi;
+        let longer =
+            |(k, curl): &(usize, Curl)| (widened(around(prepared, &triangles[*k]), reach), local[*k].with(curl));
+        let longer: Vec<(Around, Self)> = folds.iter().map(longer).collect();
+        let of = |(t, own): (&[[f64; 2]; 3], &Self)| {
+            let here = around(prepared, t);
+            longer.iter().filter(|(b, _)| near(&here, b)).fold(*own, |m, (_, other)| m.with_other(other))
+        };
+        triangles.par_iter().zip(local).map(of).collect()
+    }
+
+    /// The greater of two, each for itself.
+    fn with_other(self, other: &Self) -> Self {
+        Self {
+            delta: self.delta.max(other.delta),
+            curvature: self.curvature.max(other.curvature),
+            sag: self.sag.max(other.sag),
+            eta: self.eta.max(other.eta),
+        }
+    }
+}
+
+/// A box in space; `None` if it is not known, and near to all.
+type Around = Option<[Interval; 3]>;
+
+/// The box around a triangle of the parameter plane.
+fn around(prepared: &Prepared, t: &[[f64; 2]; 3]) -> Around {
+    let patch = prepared.patch_of(t)?;
+    Some(patch.over(t).around(&patch.centre))
+}
+
+fn widened(around: Around, reach: f64) -> Around {
+    around.map(|b| b.map(|x| x.widen(reach)))
+}
+
+fn near(a: &Around, b: &Around) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => (0..3).all(|d| a[d].lo <= b[d].hi && b[d].lo <= a[d].hi),
+        _ => true,
     }
 }
 
@@ -104,12 +153,21 @@ mod tests {
     #[test]
     fn the_budget_keeps_the_total_within_the_tolerance() {
         for (delta, curvature, eta) in [(0.0, 0.0, 0.0), (0.07, 0.5, 1e-9), (0.5, 0.1, 1e-3), (0.9, 0.0, 0.05)] {
-            let m = Mismatch { delta, curvature, eta };
+            let m = Mismatch { delta, curvature, sag: sag(delta, curvature), eta };
             let d = m.budget(1.0);
             assert!(d > 0.0 && m.total(d) <= 1.0 && m.total(d) > 1.0 - 1e-12, "{m:?} {d}");
         }
-        assert!(Mismatch { delta: 1.0, curvature: 0.0, eta: 0.0 }.budget(1.0) <= 0.0);
-        assert!(Mismatch { delta: 0.0, curvature: 0.0, eta: f64::INFINITY }.budget(1.0) <= 0.0);
+        assert!(Mismatch { delta: 1.0, ..Mismatch::of_rounding(0.0) }.budget(1.0) <= 0.0);
+        assert!(Mismatch::of_rounding(f64::INFINITY).budget(1.0) <= 0.0);
+    }
+
+    #[test]
+    fn sharp_bends_count_where_ways_are_long_alone() {
+        let side = |bound: f64, curvature: f64| Side { ends: [[0.0; 2]; 2], bound, curvature };
+        // A thousandth of a millimetre beside a tip, and 0.7 mm where the radius is 100 mm.
+        let both = Mismatch::of_rounding(0.0).with_side(&side(1e-3, 10.0)).with_side(&side(0.7, 0.01));
+        assert!((both.total(1.0) - (1.0 + 0.005 * 0.49_f64).hypot(0.7)).abs() < 1e-12, "{both:?}");
+        assert!(both.total(1.0) >= Mismatch::of_rounding(0.0).with_side(&side(0.7, 0.01)).total(1.0));
     }
 
     #[test]
@@ -126,7 +184,7 @@ mod tests {
             .collect();
         let side = |i: usize, bound: f64| Side { ends: [at(i, 0), at(i + 1, 0)], bound, curvature: bound };
         let sides: Vec<Side> = (0..10).map(|i| side(i, if i == 4 { 0.5 } else { 0.1 })).collect();
-        let whole = Mismatch { delta: 0.5, curvature: 0.5, eta: 1e-3 };
+        let whole = sides.iter().fold(Mismatch::of_rounding(1e-3), Mismatch::with_side);
         let found = whole.on_triangles(&prepared, &triangles, &sides, 1.0);
         // Within 2.5 mm of the wide side, of the others, of none.
         for (t, m) in triangles.iter().zip(&found) {
@@ -144,5 +202,25 @@ mod tests {
         // What is nothing much is alike everywhere.
         let little = Mismatch { delta: 0.01, ..whole };
         assert!(little.on_triangles(&prepared, &triangles, &sides, 1.0).iter().all(|m| *m == little));
+    }
+
+    #[test]
+    fn ways_to_folds_count_near_these_alone() {
+        // A plane of 100 × 10 mm in ten squares, cut in halves; the first may fold, and bends about 0.1 mm.
+        let knots = || Knots::new(1, vec![0.0, 0.0, 1.0, 1.0], 2).expect("knots");
+        let corners = [0, 1, 2, 3].map(|k| Vec3::new(100.0 * (k / 2) as f64, 10.0 * (k % 2) as f64, 0.0));
+        let surface = Surface::new(knots(), knots(), &corners, None).expect("plane");
+        let at = |i: usize, j: f64| [i as f64 / 10.0, j];
+        let triangles: Vec<[[f64; 2]; 3]> = (0..10)
+            .flat_map(|i| [[at(i, 0.0), at(i + 1, 0.0), at(i + 1, 1.0)], [at(i, 0.0), at(i + 1, 1.0), at(i, 1.0)]])
+            .collect();
+        let local = vec![Mismatch::of_rounding(1e-3); 20];
+        let curl = Curl { way: 0.05, curvature: 10.0 };
+        let found = Mismatch::with_folds(&local, &[(0, curl)], (&Prepared::new(&surface), &triangles), 1.0);
+        for (t, m) in triangles.iter().zip(&found) {
+            let is_near = t.iter().any(|c| c[0] <= 0.12);
+            assert!((m.delta - if is_near { 0.05 } else { 0.0 }).abs() < 1e-15, "{t:?} {m:?}");
+            assert!((m.sag - if is_near { 0.0125 } else { 0.0 }).abs() < 1e-15, "{t:?} {m:?}");
+        }
     }
 }

@@ -84,8 +84,8 @@ pub(super) fn panel_certificate(
     // Distance, within what boundary, edges and rounding have left of the tolerance.
     let beside = if out.edge_bound.is_finite() { out.edge_bound } else { 0.0 };
     let eta = (Interval::point(out.rounding_bound) + Interval::point(moved) + Interval::point(beside)).hi;
-    let mismatch = Mismatch { delta: edge.delta.unwrap_or(0.0), curvature: edge.curvature, eta };
     let sides: Vec<Side> = edge.runs.iter().flat_map(|r| r.sides.iter().copied()).collect();
+    let mismatch = sides.iter().fold(Mismatch::of_rounding(eta), Mismatch::with_side);
     let looks = if far { &SECOND_LOOKS[..] } else { &SECOND_LOOKS[..1] };
     let region = Region { prepared, torse, triangles: &triangles, sides: &sides, tolerance, looks, control };
     let (judged, total) = region.judged(&mismatch, &mut out, &mut reasons);
@@ -158,7 +158,6 @@ struct Edge {
     runs: Vec<CoedgeBound>,
     /// Bound of the mismatch, mm, if there is one.
     delta: Option<f64>,
-    curvature: f64,
 }
 
 /// A place on a surface.
@@ -175,12 +174,11 @@ fn boundary_bounds(
 ) -> Edge {
     let runs: Vec<_> = trim.loops.iter().flatten().collect();
     let bounds: Vec<_> = runs.par_iter().map(|run| boundary.coedge_bound(run, &partition.vertices)).collect();
-    let mut edge = Edge { runs: Vec::with_capacity(bounds.len()), delta: Some(0.0), curvature: 0.0 };
+    let mut edge = Edge { runs: Vec::with_capacity(bounds.len()), delta: Some(0.0) };
     for b in bounds {
         match b {
             Ok(b) => {
                 edge.delta = edge.delta.map(|d| b.sides.iter().fold(d, |d, s| d.max(s.bound)));
-                edge.curvature = b.sides.iter().fold(edge.curvature, |c, s| c.max(s.curvature));
                 edge.runs.push(b);
             }
             Err(obstacle) => {
@@ -242,19 +240,19 @@ impl Region<'_> {
             budgets.iter_mut().filter(|b| none(b)).for_each(|b| *b = self.tolerance);
         }
         let mut judged = self.judge(&budgets);
-        let together = |m: f64, (b, own): (&f64, &Mismatch)| m.max(own.total(*b));
-        let mut total = judged.bounds.iter().zip(&local).fold(0.0, together);
-        if let Verdict::Holds { bound } = judged.parts.verdict {
+        let mut total = together(&judged, &local);
+        if matches!(judged.parts.verdict, Verdict::Holds { .. }) && !judged.folds.is_empty() {
             // Where the region folds at its rim, ways are longer: less is left.
-            if judged.parts.curl.way > 0.0 {
-                let longer = mismatch.with(&judged.parts.curl);
-                let less = longer.budget(self.tolerance);
-                total = longer.total(bound);
-                if total > self.tolerance && less > 0.0 {
-                    budgets.fill(less);
-                    judged = self.judge(&budgets);
-                    total = self.whole(mismatch, &judged);
-                }
+            let longer = |judged: &Judged| {
+                Mismatch::with_folds(&local, &judged.folds, (self.prepared, self.triangles), self.tolerance)
+            };
+            let now = longer(&judged);
+            total = together(&judged, &now);
+            let less: Vec<f64> = now.iter().map(|m| m.budget(self.tolerance)).collect();
+            if total > self.tolerance && !less.iter().any(none) {
+                budgets = less;
+                judged = self.judge(&budgets);
+                total = together(&judged, &longer(&judged));
             }
         }
         match &judged.parts.verdict {
@@ -294,6 +292,14 @@ impl Region<'_> {
             Verdict::Holds { bound } => mismatch.with(&judged.parts.curl).total(bound),
             _ => f64::INFINITY,
         }
+    }
+}
+
+/// The bound of distance and mismatch together, each of the same triangle; infinite unless distances hold.
+fn together(judged: &Judged, mismatches: &[Mismatch]) -> f64 {
+    match judged.parts.verdict {
+        Verdict::Holds { .. } => judged.bounds.iter().zip(mismatches).fold(0.0, |m, (b, own)| m.max(own.total(*b))),
+        _ => f64::INFINITY,
     }
 }
 

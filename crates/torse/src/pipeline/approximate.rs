@@ -22,7 +22,7 @@ use crate::search::apex::{beside_apexes, Hair};
 use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
 use crate::search::creased::between_sharp_creases;
-use crate::search::face::{first_covers, one_face, Covered, Wanted};
+use crate::search::face::{edges_between, first_covers, one_face, Covered, Wanted};
 use crate::search::meeting::all_met;
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::{assess_trims, AssessedTrims};
@@ -159,6 +159,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Resul
         },
         meet: options.meet,
         control,
+        between: edges_between(&faces),
         deadline: OnceLock::new(),
     };
     control.report("covering faces", 0.0, format!("0 of {total}"));

@@ -2,6 +2,7 @@
 //! files have no edge without length. What is missing is proven and counts as what trims miss.
 
 use crate::brep::face::{Face, TrimLoop};
+use crate::brep::meridian::Meridian;
 use crate::brep::recognised_surface::bounds;
 use crate::brep::rulings::Rulings;
 use crate::certify::parameters_moved;
@@ -29,6 +30,10 @@ const ROOM: f64 = 1.0 / 250.0;
 /// The same, as a share of the largest coordinate: patches are written with as many digits, and beside the tip their control points
 /// are a hundredth of that radius apart.
 const DIGITS: f64 = 2e-8;
+/// Length of the hair where a face of revolution comes to its axis, as a share of the tolerance.
+const AT_POLE: f64 = 1.0 / 250.0;
+/// Places of a meridian at which its distance from the axis is looked at.
+const TURNED: usize = 64;
 /// Share of the tolerance within which lines are rulings.
 const SLACK: f64 = 0.05;
 /// Distance at the wide end, as a share of the tolerance, within which a side of the trim that runs to the tip is a ruling.
@@ -54,17 +59,45 @@ fn beside_apex(face: &Face, hair: Hair, tolerance: f64) -> Option<Face> {
     let reach = bbox.min.amax().max(bbox.max.amax());
     let room = (ROOM * tolerance).max(DIGITS * reach) / rulings.least_radius_estimate(1 - tip)?;
     let hair = hair.rulings.max(room).min(hair.tolerance * tolerance / length) * (hi - lo);
-    let (from, to) = if tip == 0 { (lo + hair, hi) } else { (lo, hi - hair) };
+    let range = if tip == 0 { (lo + hair, hi) } else { (lo, hi - hair) };
     let along = usize::from(!rulings.is_swapped());
-    let end = if tip == 0 { from } else { to };
     let breadth = rulings.breadths(0.5 * (a + b))?[1 - tip];
+    Some(ended(face, along, range, STRAIGHT * tolerance / breadth))
+}
+
+/// A face of revolution without the points where it comes to its axis: cones about it have no foot for these. `None` where it
+/// comes to none.
+pub(crate) fn beside_poles(face: &Face, meridian: &Meridian, tolerance: f64) -> Option<Face> {
+    let (lo, hi) = meridian.range;
+    let poles = meridian.ends_on_axis();
+    let hair = |t: f64| AT_POLE * tolerance / meridian.jet(t)[1].norm();
+    let ends = [(lo, poles[0], 1.0), (hi, poles[1], -1.0)]
+        .map(|(t, is_pole, into)| if is_pole { t + into * hair(t) } else { t });
+    if !poles.contains(&true) || ends[0] >= ends[1] {
+        return None;
+    }
+    let radius = (0..=TURNED).map(|k| meridian.jet(lo + (hi - lo) * k as f64 / TURNED as f64)[0].x).fold(0.0, f64::max);
+    Some(ended(face, meridian.along(), (ends[0], ends[1]), STRAIGHT * tolerance / radius * meridian.per_radian()))
+}
+
+/// A face that ends where a parameter, u or v by its number, leaves a range; sides that run there within `slack` of a line of the
+/// other parameter lie on it. By how far points have moved counts as what its trim misses.
+fn ended(face: &Face, along: usize, (from, to): (f64, f64), slack: f64) -> Face {
     let mut out = face.clone();
     let mut off = [0.0_f64; 2];
     for points in out.loops.iter_mut().map(|l| &mut l.points) {
+        let before = points.clone();
         for p in points.iter_mut() {
             p[along] = p[along].clamp(from, to);
         }
-        off[1 - along] = off[1 - along].max(straightened(points, along, end, STRAIGHT * tolerance / breadth));
+        let moved = points.iter().zip(&before).map(|(p, q)| (p[along] - q[along]).abs());
+        off[along] = moved.fold(off[along], f64::max);
+        for end in [from, to] {
+            // Only where something was taken away.
+            if points.iter().zip(&before).any(|(p, q)| p[along] == end && q[along] != end) {
+                off[1 - along] = off[1 - along].max(straightened(points, along, end, slack));
+            }
+        }
     }
     // Corners that came to lie on each other are one.
     let mut boundary = face.boundary.as_deref().cloned();
@@ -79,11 +112,10 @@ fn beside_apex(face: &Face, hair: Hair, tolerance: f64) -> Option<Face> {
             edge: sides.iter().map(|&i| l.edge[i]).collect(),
         };
     }
-    off[along] = hair;
     out.boundary = boundary.map(Arc::new);
     let missed = (out.trim_bound() + parameters_moved(&face.surface, off)).next_up();
     out.set_trim_bound(missed);
-    Some(out)
+    out
 }
 
 /// Makes rulings of the sides of a loop that run to its part at the `end` of the rulings, if they turn aside by no more than `slack`: the
@@ -130,5 +162,33 @@ mod tests {
         let mut points = corner.clone();
         assert_eq!(straightened(&mut points, 1, tip, 1e-7), 0.0);
         assert_eq!(points, corner);
+    }
+
+    #[test]
+    fn faces_of_revolution_end_beside_their_poles() {
+        use crate::brep::space_curve::SpaceCurve;
+        use crate::brep::swept::revolve;
+        use crate::geom::{Frame, Vec3};
+        // A cap of radius 100 mm, whose poles are at the end of the meridian.
+        let frame = Frame { y: Vec3::z(), z: -Vec3::y(), ..Frame::world() };
+        let circle = SpaceCurve::Ellipse { frame, a: 100.0, b: 100.0 };
+        let turned = |to: f64| {
+            let surface = revolve(&circle, &Frame::world(), (0.0, 3.0), (0.5, to)).expect("a surface").0;
+            Face::untrimmed(surface)
+        };
+        let beside = |face: &Face| {
+            let meridian = Meridian::of(&face.surface, bounds(face), 1e-6).expect("a meridian");
+            beside_poles(face, &meridian, 1.0)
+        };
+        let face = turned(std::f64::consts::FRAC_PI_2);
+        let ended = beside(&face).expect("a pole");
+        let nearest = |face: &Face| {
+            let points = face.loops.iter().flat_map(|l| &l.points).map(|p| face.surface.point(p[0], p[1]));
+            points.map(|x| x.x.hypot(x.y)).fold(f64::INFINITY, f64::min)
+        };
+        assert!(nearest(&face) < 1e-9 && (nearest(&ended) - AT_POLE).abs() < 1e-4, "{}", nearest(&ended));
+        // What is missing is a disc of that radius; its bound knows no more of the surface than its largest speed.
+        assert!(ended.trim_bound() >= AT_POLE * 0.999 && ended.trim_bound() < 3.0 * AT_POLE, "{}", ended.trim_bound());
+        assert!(beside(&turned(1.2)).is_none());
     }
 }

@@ -2,7 +2,7 @@
 //! and goes round again.
 
 use super::build::{build_until, too_large, Built};
-use super::cover::{bent_panels, cover, exactly_covered, Cover, CoverOptions, Layout, Limits, State};
+use super::cover::{bent_panels, cover, exactly_covered, revolved, Cover, CoverOptions, Layout, Limits, State};
 use super::joint::BorderCounts;
 use super::laid::{Laid, Task};
 use super::stitch::attempts::{met, unproven, Side};
@@ -11,6 +11,7 @@ use super::{sheet, slivers};
 use crate::brep::face::Face;
 use crate::certify::{self, SeamStatus};
 use crate::control::Control;
+use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::triangulate::TriangulateError;
 use crate::reason::{FaceReason, Reason};
 use rayon::prelude::*;
@@ -51,6 +52,8 @@ pub(crate) struct Wanted<'a> {
     pub meet: bool,
     /// Progress and cancellation.
     pub control: &'a Control,
+    /// Numbers of the file's edges in which faces meet.
+    pub between: HashSet<u64>,
     /// When stopgaps of all faces together must end: set by the first that needs one.
     pub deadline: OnceLock<Instant>,
 }
@@ -87,6 +90,20 @@ impl Wanted<'_> {
     pub(crate) fn is_over(&self) -> bool {
         self.control.stopped() && Instant::now() >= self.end()
     }
+}
+
+/// Numbers of the file's edges in which different faces meet.
+pub(crate) fn edges_between(faces: &[Face]) -> HashSet<u64> {
+    let mut first: HashMap<u64, usize> = HashMap::default();
+    let mut out = HashSet::default();
+    for (k, face) in faces.iter().enumerate() {
+        for edge in face.boundary.iter().flat_map(|b| &b.loops).flatten() {
+            if *first.entry(edge.entity).or_insert(k) != k {
+                out.insert(edge.entity);
+            }
+        }
+    }
+    out
 }
 
 /// Where time is limited, a coarse cover of a face, for want of a better one: before any face gets a fine one.
@@ -217,6 +234,12 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     // What is developable already needs no search: it is covered even when time is up.
     let exact = exactly_covered(&face, &options, &Control::default());
     let is_exact = exact.is_some();
+    let exact = exact.or_else(|| {
+        let (ended, state) = revolved(&face, &options, &wanted.between, control)?;
+        face = ended;
+        options.tolerance = whole - face.joint_bound() - face.trim_bound();
+        Some(state)
+    });
     // Where a limit is given up, the panels say why.
     let mut why = None;
     let mut found = match exact {
@@ -343,7 +366,8 @@ mod tests {
         let options = asked(Some(1e3));
         let searched = |control: &Control, options: &CoverOptions| {
             let deadline = OnceLock::new();
-            Wanted { options: options.clone(), meet: false, control, deadline }.search(&face, options)
+            let between = HashSet::default();
+            Wanted { options: options.clone(), meet: false, control, between, deadline }.search(&face, options)
         };
         let (control, why) = searched(&Control::default().until(Instant::now() + Duration::from_secs(1000)), &options);
         let left = control.remaining().expect("a time");

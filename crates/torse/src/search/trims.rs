@@ -1,7 +1,7 @@
 //! Trims as fine as a tolerance asks for, and what is proven of their distance from the file's edges.
 
 use crate::brep::face::Face;
-use crate::brep::trim::with_chords;
+use crate::brep::trim::{self, with_chords};
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
 use crate::reason::{FaceReason, Reason};
@@ -51,6 +51,16 @@ pub fn assess_trims(faces: Vec<Face>, tolerance: f64) -> AssessedTrims {
     let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = assessed.unzip();
     let bound = UpperBound::largest(found.iter().map(|f| f.0));
     AssessedTrims { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
+}
+
+/// A face of a sphere that is bounded by circles about one axis, parametrised about that, with a trim as fine as the tolerance asks
+/// for, proven. `None` where it is none, or is so parametrised already.
+pub(super) fn about_its_circles(face: &Face, tolerance: f64) -> Option<Face> {
+    let mut face = trim::about_its_circles(face, CHORDS_SHARE * tolerance)?;
+    corners_on_knot_lines(&mut face);
+    let bound = trim_proof(&face, TRIM_AIM * tolerance).bound();
+    face.set_trim_bound(bound.value());
+    (bound.value() <= TRIM_SHARE * tolerance).then_some(face)
 }
 
 /// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the

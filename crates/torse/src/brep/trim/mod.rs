@@ -20,7 +20,7 @@ use super::parameter_map::ParameterMap;
 use super::raw::{RawFace, RawLoop, Region};
 use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
-use crate::geom::BBox;
+use crate::geom::{BBox, Frame};
 use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
 use pcurve::{Chain, POINT_SHARE, WHOLE_PERIOD};
@@ -38,6 +38,8 @@ const LEAST_EXTENT: f64 = 1e-6;
 /// Boxes of natural parameters count as no narrower than this (rad or mm): a boundary along a parameter line has no
 /// width to take shares of.
 const LEAST_WIDTH: f64 = 1e-9;
+/// Sine of the angle between two axes that are one.
+const SAME_AXIS: f64 = 1e-6;
 
 /// Builds the trimmed face (or faces, where the loops bound several separate regions).
 ///
@@ -50,6 +52,15 @@ const LEAST_WIDTH: f64 = 1e-9;
 /// # Errors
 /// Loops that do not bound a region; see `TrimError`.
 pub(crate) fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, TrimError> {
+    faces_on(raw, chord_tolerance, sphere::turned)
+}
+
+/// See [`faces`], with the frame in which spheres are parametrised.
+fn faces_on(
+    raw: &RawFace,
+    chord_tolerance: Option<f64>,
+    turned: fn(&Frame, &[RawLoop]) -> Frame,
+) -> Result<Vec<Face>, TrimError> {
     let loops = match &raw.region {
         Region::Whole => return natural(raw, None).map(|f| vec![f]),
         Region::Rectangle(r) => return natural(raw, Some(*r)).map(|f| vec![f]),
@@ -73,7 +84,7 @@ pub(crate) fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<F
     let size = extent(&loops).max(LEAST_EXTENT * raw.support.size());
     let mut raw = raw.clone();
     if let SupportSurface::Sphere { frame, radius } = raw.support {
-        raw.support = SupportSurface::Sphere { frame: sphere::turned(&frame, &loops), radius };
+        raw.support = SupportSurface::Sphere { frame: turned(&frame, &loops), radius };
         // Traces belong to the file's axis.
         loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
     }
@@ -329,6 +340,25 @@ pub(crate) fn with_chords(face: &Face, tolerance: f64) -> Option<Face> {
     let [index, count] = b.index;
     let finer = made.get(index).filter(|_| made.len() == count)?;
     Some(finer.placed(&b.placement, &face.part))
+}
+
+/// The part of a sphere that a face is, with the sphere's axis through the middles of the circles that bound it, which are parameter
+/// lines then; chords keep to the file's edges within `tolerance` (mm). `None` where it is no such face, or has that axis.
+pub(crate) fn about_its_circles(face: &Face, tolerance: f64) -> Option<Face> {
+    let b = face.boundary.as_ref().filter(|_| face.parts.is_empty())?;
+    let (SupportSurface::Sphere { frame, .. }, Region::Loops(loops)) = (&b.source.support, &b.source.region) else {
+        return None;
+    };
+    let loops: Vec<RawLoop> = loops.iter().cloned().flat_map(without_slits).collect();
+    let turned = sphere::about_circles(frame, &loops)?;
+    if turned.z.cross(&frame.z).norm() <= SAME_AXIS {
+        return None;
+    }
+    let about = |frame: &Frame, loops: &[RawLoop]| sphere::about_circles(frame, loops).unwrap_or(*frame);
+    let made = faces_on(&b.source, Some(tolerance.min(b.chords) / b.placement.scale()), about).ok()?;
+    let [index, count] = b.index;
+    let turned = made.get(index).filter(|_| made.len() == count)?;
+    Some(turned.placed(&b.placement, &face.part))
 }
 
 /// Nests the polygons and checks them.

@@ -10,20 +10,41 @@ const SAME_AXIS: f64 = 1e-12;
 /// around the centre or the axis, up to what printed coordinates say.
 const SIDEWAYS: f64 = 1e-6;
 
-/// A frame at the same centre whose axis stays away from the loops.
-pub(super) fn turned(frame: &Frame, loops: &[RawLoop]) -> Frame {
-    let mut samples = Vec::new();
-    for arc in loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.path) {
+/// Cosines of the angles between an axis and the places of a circle about it differ by less.
+const CIRCLE: f64 = 1e-7;
+
+/// Unit vectors from the centre to places of a loop.
+fn directions(frame: &Frame, l: &RawLoop) -> Vec<Vec3> {
+    let mut out = Vec::new();
+    for arc in l.edges.iter().flat_map(|e| &e.path) {
         let st = arc.curve.stations(arc.from, arc.to);
         for w in st.windows(2) {
             for i in 0..4 {
                 let x = arc.curve.point(w[0] + (w[1] - w[0]) * f64::from(i) / 4.0) - frame.origin;
-                if x.norm() > 0.0 {
-                    samples.push(x.normalize());
-                }
+                out.extend(x.try_normalize(0.0));
             }
         }
     }
+    out
+}
+
+/// A frame at the same centre about whose axis all loops are circles; its seam goes through the first place of the first of them.
+/// `None` where there is none.
+pub(super) fn about_circles(frame: &Frame, loops: &[RawLoop]) -> Option<Frame> {
+    let places: Vec<Vec<Vec3>> = loops.iter().map(|l| directions(frame, l)).collect();
+    let first = places.first()?;
+    let third = first.len() / 3;
+    let [p, q, r] = [first.first()?, first.get(third)?, first.get(2 * third)?];
+    let z = (q - p).cross(&(r - p)).try_normalize(0.0)?;
+    let is_circle = |l: &Vec<Vec3>| l.iter().all(|x| (x.dot(&z) - l[0].dot(&z)).abs() <= CIRCLE);
+    let x = -(p - z * z.dot(p)).try_normalize(0.0)?;
+    let z = if z.dot(&frame.z) < 0.0 { -z } else { z };
+    places.iter().all(is_circle).then(|| Frame { origin: frame.origin, x, y: z.cross(&x), z })
+}
+
+/// A frame at the same centre whose axis stays away from the loops.
+pub(super) fn turned(frame: &Frame, loops: &[RawLoop]) -> Frame {
+    let samples: Vec<Vec3> = loops.iter().flat_map(|l| directions(frame, l)).collect();
     let middle: Vec3 = samples.iter().sum();
     // The file's own axis first, then the axes of its cube, edges and corners, and those square to the middle.
     let mut candidates = vec![frame.z, frame.x, frame.y];

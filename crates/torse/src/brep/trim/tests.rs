@@ -1,7 +1,8 @@
 //! Which side of a boundary a face lies on, on surfaces without border (docs/algorithms/reading.md).
 
-use super::{faces, TrimError};
+use super::{about_its_circles, faces, TrimError};
 use crate::brep::area::area_estimate;
+use crate::brep::face::Face;
 use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation, SurfaceKind};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
@@ -226,4 +227,30 @@ fn a_slim_hole_of_a_cylinder_is_no_slit() {
     let boundary = made[0].boundary.as_ref().expect("edges of the file");
     let entities: Vec<u64> = boundary.loops.iter().flatten().map(|e| e.entity).collect();
     assert_eq!((made[0].loops.len(), entities), (2, vec![1, 2, 3, 4]));
+}
+
+/// The cap of a sphere above a circle, whose file has another axis: parametrised about that of the circle it has a pole in its middle.
+#[test]
+fn caps_are_parametrised_about_their_circles() {
+    let up = Frame { origin: Vec3::new(1.0, 2.0, 3.0), ..Frame::world() };
+    let support = SupportSurface::Sphere { frame: Frame { x: up.y, y: up.z, z: up.x, ..up }, radius: 100.0 };
+    let rim = |height: f64| {
+        let frame = Frame { origin: up.origin + Vec3::z() * height, ..up };
+        let a = (100.0_f64.powi(2) - height * height).sqrt();
+        let path = vec![Arc { curve: SpaceCurve::Ellipse { frame, a, b: a }, from: 0.0, to: TAU }];
+        RawLoop { edges: vec![RawEdge { entity: 7, forward: true, path, vertices: None, trace: None }], outer: true }
+    };
+    let made = |rim: RawLoop| faces(&raw(&support, Region::Loops(vec![rim])), None).expect("a face").remove(0);
+    let face = made(rim(80.0));
+    let turned = about_its_circles(&face, 0.01).expect("a cap");
+    let cap = TAU * 100.0 * 20.0;
+    assert!((area_estimate(&face) - cap).abs() < 1.0 && (area_estimate(&turned) - cap).abs() < 1.0);
+    let pole = up.origin + Vec3::z() * 100.0;
+    let nearest = |f: &Face| {
+        let corners = f.loops.iter().flat_map(|l| &l.points).map(|p| f.surface.point(p[0], p[1]));
+        corners.map(|x| (x - pole).norm()).fold(f64::INFINITY, f64::min)
+    };
+    assert!(nearest(&face) > 60.0 && nearest(&turned) < 1e-9, "{} {}", nearest(&face), nearest(&turned));
+    // It is so parametrised then.
+    assert!(about_its_circles(&turned, 0.01).is_none());
 }

@@ -2,6 +2,7 @@
 
 pub(in crate::fit) mod basis;
 pub(crate) mod centre_line;
+pub(crate) mod chords;
 pub mod descent;
 pub(in crate::fit) mod directions;
 pub mod dual;

@@ -329,7 +329,7 @@ const NEAR: f64 = 1e-7;
 
 /// Grid lines of the first triangulation within the box `[u0, u1, v0, v1]`: every knot line, and between them
 /// lines about equally spaced in space.
-fn grid_lines(s: &Surface, b: [f64; 4], strip: f64) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn grid_lines(s: &Surface, b: [f64; 4], strip: f64) -> (Vec<f64>, Vec<f64>) {
     const ISO: usize = 5;
     let breaks = |all: Vec<f64>, lo: f64, hi: f64| {
         let mut l: Vec<f64> = all.into_iter().filter(|&x| x > lo && x < hi).collect();

@@ -42,6 +42,8 @@ const NEAR_ENOUGH: f64 = 0.985;
 /// See [`Attempts::most`], of strips that are to meet those of other faces: of places where distances count more some may be
 /// too far away, and cost no more than an edge.
 const LOW_ENOUGH: f64 = 1.15;
+/// Gaps (tolerances) up to which strips are laid end to end: their borders move by little.
+const END_TO_END: f64 = 0.01;
 /// Rounds of moving borders to edges, without those that were refused.
 const INTERSECTIONS: usize = 8;
 
@@ -123,6 +125,10 @@ pub(crate) fn met(
         borders: None,
         best: built,
     };
+    // Strips that are laid end to end need edges, and nothing else.
+    if attempts.is_end_to_end(state) {
+        attempts.intersect(state);
+    }
     if attempts.recounted(state, Recount::Less) {
         return attempts.best;
     }
@@ -245,6 +251,13 @@ impl Attempts<'_> {
         b.certificate.seams.iter().filter(|s| s.status == SeamStatus::Exact).count()
     }
 
+    /// Whether strips are equally high along all their borders.
+    fn is_end_to_end(&self, state: &State) -> bool {
+        let torses = torses(&self.best);
+        let largest = state.as_built(&self.best).and_then(|s| Intersections::new(self.face, &torses).largest_gap(&s));
+        largest.is_some_and(|gap| gap <= END_TO_END * self.tolerance)
+    }
+
     /// Whether something is left to be done, and time for it.
     fn is_open(&self) -> bool {
         openness(&self.best) > 0.0 && !self.control.stopped()
@@ -310,13 +323,7 @@ impl Attempts<'_> {
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
     /// that is not possible, or cannot be proven.
     fn intersecting(&self, built: &Built, state: &State) -> Option<Built> {
-        let torses: BTreeMap<u32, &Torse> = built
-            .patchwork
-            .panels
-            .iter()
-            .filter_map(|p| p.trim.as_ref())
-            .filter_map(|t| Some((t.label, t.form.torse()?)))
-            .collect();
+        let torses = torses(built);
         let intersections = Intersections::new(self.face, &torses);
         let base = state.as_built(built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
@@ -543,6 +550,12 @@ pub(crate) fn unproven(built: &Built, control: &Control) -> Vec<u32> {
     let proofs = flat(&built.patchwork, &built.patterns, built.certificate.tolerance, control);
     let open = proofs.iter().filter(|p| !p.holds());
     open.filter_map(|p| built.patchwork.panels.get(p.panel())?.label()).collect()
+}
+
+/// Torses of panels by their labels.
+fn torses(built: &Built) -> BTreeMap<u32, &Torse> {
+    let trims = built.patchwork.panels.iter().filter_map(|p| p.trim.as_ref());
+    trims.filter_map(|t| Some((t.label, t.form.torse()?))).collect()
 }
 
 /// How far panels are from meeting: a gap of the tolerance counts one, every seam that is not exact a little besides.

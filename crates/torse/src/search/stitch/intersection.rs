@@ -118,6 +118,19 @@ impl<'a> Intersections<'a> {
         self
     }
 
+    /// Largest difference (mm) of the heights of two strips at a vertex of their border; `None` where there is no border, or a strip
+    /// has no height.
+    pub fn largest_gap(&self, state: &State) -> Option<f64> {
+        let borders = borders_of(self.face, &state.partition);
+        let gap = |c: &SeamChain| {
+            let strips = self.pair(&borders, c.labels)?;
+            let at = |v: &u32| strips.difference(state.partition.vertices[*v as usize]).map(f64::abs);
+            c.vertices.iter().map(at).try_fold(0.0_f64, |most, gap| Some(most.max(gap?)))
+        };
+        let gaps: Vec<f64> = borders.seam_chains().iter().map(gap).collect::<Option<_>>()?;
+        gaps.into_iter().reduce(f64::max)
+    }
+
     /// The vertices in which borders end inside the face, with the point that their labels have in common.
     fn common_points(&self, chains: &[SeamChain]) -> BTreeMap<u32, Vec3> {
         let mut labels: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
