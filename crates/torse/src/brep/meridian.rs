@@ -13,6 +13,8 @@ const CIRCLES: usize = 17;
 const PLACES: usize = 13;
 /// Circles smaller than this share of the largest say nothing about the axis.
 const SMALL: f64 = 0.1;
+/// Arcs whose radius is so many times their extent are lines.
+const STRAIGHT: f64 = 1e4;
 /// A radius below this share of the largest is none: the curve has come to the axis.
 const POLE: f64 = 1e-9;
 /// Angle (rad) that is missing from a turn that is whole.
@@ -182,7 +184,7 @@ impl Circle {
         let square = n.norm_squared();
         let centre = p + (n.cross(&a) * b.norm_squared() + b.cross(&n) * a.norm_squared()) / (2.0 * square);
         let circle = Self { centre, axis: n.try_normalize(0.0)?, radius: (p - centre).norm() };
-        circle.radius.is_finite().then_some(circle)
+        (circle.radius <= STRAIGHT * a.norm().max(b.norm())).then_some(circle)
     }
 
     /// Distance between two centres.
@@ -233,5 +235,11 @@ mod tests {
         let (curve, axis) = wave();
         let surface = extrude(&curve, &axis.y, (0.0, 1.0), (0.0, 50.0)).expect("a surface").0;
         assert!(Meridian::of(&surface, [0.0, 1.0, 0.0, 50.0], 1e-3).is_none());
+        // Lines are no circles, however large.
+        let k = || Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let corners = [(0.0, 0.0, 0.1), (0.0, 70.0, 0.3), (90.0, 0.0, 7.0), (90.0, 70.0, 33.0)];
+        let corners = corners.map(|(x, y, z)| Vec3::new(x, y, z));
+        let surface = Surface::new(k(), k(), &corners, None).expect("a surface");
+        assert!(Meridian::of(&surface, [0.0, 1.0, 0.0, 1.0], 1.0).is_none());
     }
 }

@@ -122,13 +122,20 @@ impl<'a> Intersections<'a> {
     /// has no height.
     pub fn largest_gap(&self, state: &State) -> Option<f64> {
         let borders = borders_of(self.face, &state.partition);
-        let gap = |c: &SeamChain| {
-            let strips = self.pair(&borders, c.labels)?;
-            let at = |v: &u32| strips.difference(state.partition.vertices[*v as usize]).map(f64::abs);
-            c.vertices.iter().map(at).try_fold(0.0_f64, |most, gap| Some(most.max(gap?)))
-        };
-        let gaps: Vec<f64> = borders.seam_chains().iter().map(gap).collect::<Option<_>>()?;
-        gaps.into_iter().reduce(f64::max)
+        let gaps = borders.seam_chains().into_iter().map(|c| self.gap(&borders, &c, state));
+        gaps.collect::<Option<Vec<f64>>>()?.into_iter().reduce(f64::max)
+    }
+
+    /// The same along one border.
+    fn gap(&self, borders: &Borders, chain: &SeamChain, state: &State) -> Option<f64> {
+        let strips = self.pair(borders, chain.labels)?;
+        let at = |v: &u32| strips.difference(state.partition.vertices[*v as usize]).map(f64::abs);
+        chain.vertices.iter().map(at).try_fold(0.0_f64, |most, gap| Some(most.max(gap?)))
+    }
+
+    /// Whether a border lies where two strips are equally high already.
+    fn is_level(&self, borders: &Borders, chain: &SeamChain, state: &State) -> bool {
+        self.gap(borders, chain, state).is_some_and(|gap| gap <= EDGE.1 * chain.length)
     }
 
     /// The vertices in which borders end inside the face, with the point that their labels have in common.
@@ -219,8 +226,13 @@ impl<'a> Intersections<'a> {
             let chains = whole_borders(borders.seam_chains());
             let before = left.len();
             left.retain(|&p| {
-                let mut of = chains.iter().filter(|c| pair(c.labels) == p);
-                let (Some(chain), None) = (of.next(), of.next()) else { return true };
+                let of: Vec<&SeamChain> = chains.iter().filter(|c| pair(c.labels) == p).collect();
+                if !of.is_empty() && of.iter().all(|c| self.is_level(&borders, c, &now)) {
+                    // As around a hole it may have several parts.
+                    moved.push(p);
+                    return false;
+                }
+                let [chain] = of[..] else { return true };
                 let next = self.pair(&borders, chain.labels).and_then(|strips| strips.cut(&now, chain));
                 let Some(next) = next else { return true };
                 now = next;
@@ -273,13 +285,11 @@ impl<'a> Intersections<'a> {
                 }
                 continue;
             }
-            let mut of = chains.iter().filter(|c| pair(c.labels) == p);
-            let edge = match (of.next(), of.next()) {
-                (Some(chain), None) => self.pair(borders, chain.labels).and_then(|strips| strips.edge(state, chain)),
-                _ => None,
-            };
-            match edge {
-                Some(edge) => edges.push(edge),
+            // A border around a hole has several chains, too.
+            let of = chains.iter().filter(|c| pair(c.labels) == p);
+            let parts = of.map(|c| self.pair(borders, c.labels)?.edge(state, c));
+            match parts.collect::<Option<Vec<SharedSeam>>>().filter(|parts| !parts.is_empty()) {
+                Some(parts) => edges.extend(parts),
                 None => spoilt.push(p),
             }
         }
