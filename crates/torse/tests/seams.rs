@@ -12,6 +12,7 @@ use torse::io::step::read::read;
 use torse::io::step::write::{panels, Header};
 use torse::patchwork::panel::Border;
 use torse::pipeline::approximate::{of_faces, Options};
+use torse::torse::form::PanelKind;
 
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const TOLERANCE: f64 = 2.0;
@@ -46,6 +47,24 @@ fn strips_that_meet_are_certified_and_as_many_as_before() {
     assert!(proof(met).seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", proof(met).seams);
     assert!(proof(alone).seams.iter().all(|s| s.status != SeamStatus::Exact));
     assert!(proof(met).seam_gap_bound < 0.01 * TOLERANCE && proof(alone).seam_gap_bound > 0.02 * TOLERANCE);
+}
+
+/// A face that is turned about an axis and has a pole: cones, as few as chords of its meridian, all of whose circles are common edges.
+#[test]
+fn cones_about_an_axis_meet_in_circles() {
+    let model = read(include_bytes!("../../../data/dished_end.step")).expect("a model");
+    let tolerance = 10.0;
+    let answer =
+        of_faces(model.faces, model.skipped, &Options::new(tolerance), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified);
+    let panels = &answer.patchwork().panels;
+    assert!(panels.len() == 3 && panels.iter().all(|p| p.strip.kind == PanelKind::Cone), "{}", panels.len());
+    let seams = &proof(&answer).seams;
+    assert!(seams.len() == 2 && seams.iter().all(|s| s.status == SeamStatus::Exact), "{seams:?}");
+    for edge in panels.iter().flat_map(|p| p.loops()).flatten().filter(|c| matches!(c.border, Border::Seam { .. })) {
+        let [a, b] = [0.0, 0.37].map(|s| Vec3::from(edge.edge.point(s)));
+        assert!((a.xy().norm() - b.xy().norm()).abs() < 1e-3 && (a.z - b.z).abs() < 1e-3, "{a} {b}");
+    }
 }
 
 /// Whoever stops the work while strips are joined keeps the cover, proven as it was.

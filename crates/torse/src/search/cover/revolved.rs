@@ -48,7 +48,7 @@ const LESS: f64 = 0.998;
 /// Distance of a torse from its cone, as a share of the size, below which it needs no more spans.
 const GOAL: f64 = 1e-10;
 /// Cells between two corners along the meridian at least.
-const CELLS: usize = 4;
+const CELLS: usize = 8;
 /// Places per direction at which torses are compared with their cones.
 const COMPARED: usize = 65;
 
