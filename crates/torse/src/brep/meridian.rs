@@ -17,8 +17,6 @@ const SMALL: f64 = 0.1;
 const STRAIGHT: f64 = 1e4;
 /// A radius below this share of the largest is none: the curve has come to the axis.
 const POLE: f64 = 1e-9;
-/// Angle (rad) that is missing from a turn that is whole.
-const WHOLE: f64 = 1e-9;
 
 /// The curve of which a surface is made by turning it about an axis.
 #[derive(Clone, Copy, Debug)]
@@ -99,9 +97,8 @@ impl<'a> Meridian<'a> {
             d - TAU * (d / TAU).round()
         };
         let turn: f64 = row.windows(2).map(step).sum();
-        let whole = TAU.copysign(turn);
-        let turn = if (turn - whole).abs() < WHOLE || turn.abs() > TAU { whole } else { turn };
-        let radius = heights_and_radii(&row[0]).x;
+        let (whole, radius) = (TAU.copysign(turn), heights_and_radii(&row[0]).x);
+        let turn = if (turn - whole).abs() * radius <= slack || turn.abs() > TAU { whole } else { turn };
         let heights = rows.iter().map(|r| heights_and_radii(&r[0]).y);
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
         (radius > 0.0 && high - low > slack && turn != 0.0).then_some(Self { frame, turn, ..self })

@@ -213,7 +213,8 @@ pub(crate) fn one_face(
     let found = covered(index, face, None, wanted)?;
     let mut found = Covered { apart: None, ..found };
     let built = &mut found.built;
-    built.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
+    // What ends beside a pole is missing besides.
+    built.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound((missed + f.trim_bound()).next_up()));
     let clock = match wanted.control.stopped() {
         true => Control::default().until(Instant::now() + FILLING),
         false => Control::default(),

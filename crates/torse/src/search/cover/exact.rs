@@ -11,6 +11,7 @@ use crate::control::Control;
 use crate::fit::near::exact::{exact, ExactOptions};
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::has_patch;
+use crate::torse::form::Torse;
 use std::sync::Arc;
 
 /// Share of the tolerance within which parameter lines must be straight and keep their tangent planes, and the torse
@@ -227,18 +228,22 @@ impl Job<'_> {
         let rulings = Rulings::of(surface, state.partition.bounds(label), SLACK * tolerance)?;
         let samples = state.dense_samples(label, Density::Usual);
         let fit = exact(&rulings, &samples, &asked(tolerance))?;
-        let triangles = state.triangles(label);
-        let allowed = tolerance * DISTANCE_SHARE;
-        let options = DistanceOptions::default();
-        let judged = distance(&self.prepared, &fit.torse, &triangles, allowed, &options, self.control);
-        let limits = &self.options.limits;
         // What is proven of cells is too little where the surface itself only just keeps the limit; of panels more is.
         let bends = |end: usize| rulings.least_radius_estimate(end).unwrap_or(f64::INFINITY);
-        let radius = judged.min_bend_radius.max(bends(0).min(bends(1)));
-        let kept = radius >= limits.min_bend_radius.unwrap_or(0.0)
+        self.keeps(state, label, &fit.torse, bends(0).min(bends(1))).then(|| Arc::new(fit))
+    }
+
+    /// Whether a torse is proven on a region, keeps to the limits there and has a patch; its least radius of curvature (mm) may be known
+    /// otherwise, 0 if it is not.
+    pub(super) fn keeps(&self, state: &State, label: u32, torse: &Torse, bend_radius: f64) -> bool {
+        let allowed = self.options.tolerance * DISTANCE_SHARE;
+        let (triangles, options) = (state.triangles(label), DistanceOptions::default());
+        let judged = distance(&self.prepared, torse, &triangles, allowed, &options, self.control);
+        let limits = &self.options.limits;
+        let kept = judged.min_bend_radius.max(bend_radius) >= limits.min_bend_radius.unwrap_or(0.0)
             && judged.regression_clearance >= limits.min_clearance.unwrap_or(0.0);
         let holds = matches!(judged.verdict, Verdict::Holds { .. });
-        (holds && kept && has_patch(self.face, &state.partition, label, &fit.torse)).then(|| Arc::new(fit))
+        holds && kept && has_patch(self.face, &state.partition, label, torse)
     }
 }
 

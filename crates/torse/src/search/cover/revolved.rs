@@ -2,7 +2,7 @@
 //! neighbours meet in circles and every panel in itself (docs/algorithms/cover.md, "Surfaces of revolution").
 
 use super::band_range;
-use super::job::{CoverOptions, Job, DISTANCE_SHARE};
+use super::job::{CoverOptions, Job};
 use super::layout::LayoutKind;
 use super::state::{grid_lines, Density, State};
 use crate::brep::face::Face;
@@ -11,20 +11,16 @@ use crate::brep::recognised_surface::bounds;
 use crate::brep::rulings::Rulings;
 use crate::brep::space_curve::SpaceCurve;
 use crate::brep::swept::revolve;
-use crate::certify::distance::{distance, DistanceOptions};
-use crate::certify::Verdict;
 use crate::control::Control;
 use crate::fit::near::chords::{fewest_chords, Chords, Ends, Place};
 use crate::fit::near::exact::{exact, ExactOptions};
 use crate::fit::near::samples::{nearest_error, Fit, Sample};
-use crate::fit::panels::boundary::has_patch;
-use crate::geom::{Vec2, Vec3};
+use crate::geom::{Frame, Vec2, Vec3};
 use crate::num::hash::HashSet;
 use crate::patchwork::partition::centroid;
 use crate::search::apex::beside_poles;
 use crate::search::trims::about_its_circles;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Share of the tolerance within which a face must be one of revolution.
@@ -242,16 +238,7 @@ impl Job<'_> {
     fn proven_cone(&self, state: &State, label: u32, fit: &Fit) -> Option<Arc<Fit>> {
         let samples = state.dense_samples(label, Density::Usual);
         let (error, worst) = nearest_error(&fit.torse, &samples)?;
-        let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let triangles = state.triangles(label);
-        let judged =
-            distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
-        let limits = &self.options.limits;
-        let kept = judged.min_bend_radius >= limits.min_bend_radius.unwrap_or(0.0)
-            && judged.regression_clearance >= limits.min_clearance.unwrap_or(0.0);
-        let holds = matches!(judged.verdict, Verdict::Holds { .. });
-        (holds && kept && has_patch(self.face, &state.partition, label, &fit.torse))
-            .then(|| Arc::new(Fit { error, worst, ..fit.clone() }))
+        self.keeps(state, label, &fit.torse, 0.0).then(|| Arc::new(Fit { error, worst, ..fit.clone() }))
     }
 }
 
@@ -314,14 +301,9 @@ fn cone(meridian: &Meridian, [p, q]: [Vec2; 2]) -> Option<Fit> {
     let frame = &meridian.frame;
     let [from, to] = [p, q].map(|c| frame.to_world(&Vec3::new(c.x, 0.0, c.y)));
     let line = SpaceCurve::Line { origin: from, direction: to - from };
-    let (turn, chord) = (meridian.turn, (0.0, 1.0));
-    let (around, frame) = if turn > 0.0 {
-        ((0.0, turn), *frame)
-    } else {
-        // Turned the other way about the axis upside down.
-        ((0.0, -turn), crate::geom::Frame { y: -frame.y, z: -frame.z, ..*frame })
-    };
-    let surface = revolve(&line, &frame, (around.0, around.1.min(TAU)), chord).ok()?.0;
+    // What is turned the other way is so about the axis upside down.
+    let frame = if meridian.turn > 0.0 { *frame } else { Frame { y: -frame.y, z: -frame.z, ..*frame } };
+    let surface = revolve(&line, &frame, (0.0, meridian.turn.abs()), (0.0, 1.0)).ok()?.0;
     let ((u0, u1), (v0, v1)) = surface.domain();
     let size = surface.bbox().diagonal();
     let rulings = Rulings::of(&surface, [u0, u1, v0, v1], GOAL.sqrt() * size)?;
@@ -339,7 +321,7 @@ fn cone(meridian: &Meridian, [p, q]: [Vec2; 2]) -> Option<Fit> {
 mod tests {
     use super::*;
     use crate::brep::recognised_surface::frame;
-    use crate::geom::Frame;
+    use std::f64::consts::{FRAC_PI_2, TAU};
 
     /// Part of a sphere of radius 100 mm between two latitudes and over an angle (rad).
     fn zone(latitudes: (f64, f64), turn: f64) -> Face {
@@ -365,7 +347,7 @@ mod tests {
 
     #[test]
     fn poles_lie_under_the_tip_of_a_cone() {
-        let face = zone((0.9, std::f64::consts::FRAC_PI_2), TAU);
+        let face = zone((0.9, FRAC_PI_2), TAU);
         let (ended, state) = cones(&face, 2.0).expect("cones");
         // A cap 67 mm from rim to pole; what ends beside the pole counts.
         assert!(state.is_complete() && state.panels.len() <= 2, "{}", state.panels.len());
