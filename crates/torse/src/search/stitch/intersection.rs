@@ -227,8 +227,8 @@ impl<'a> Intersections<'a> {
             let before = left.len();
             left.retain(|&p| {
                 let of: Vec<&SeamChain> = chains.iter().filter(|c| pair(c.labels) == p).collect();
-                if !of.is_empty() && of.iter().all(|c| self.is_level(&borders, c, &now)) {
-                    // As around a hole it may have several parts.
+                if of.len() > 1 && of.iter().all(|c| self.is_level(&borders, c, &now)) {
+                    // As around a hole it has several parts, and lies where it should.
                     moved.push(p);
                     return false;
                 }
