@@ -57,7 +57,8 @@ pub(in crate::search) fn revolved(
     control: &Control,
 ) -> Option<(Face, State)> {
     let layout = &options.layout;
-    let is_free = layout.curves.is_empty() && layout.seams.is_empty() && layout.guide.is_none();
+    let no_seams = layout.seams.is_empty() && layout.seam_curves.is_empty();
+    let is_free = layout.curves.is_empty() && no_seams && layout.guide.is_none();
     if options.facets || !is_free || layout.kind == LayoutKind::Strips {
         return None;
     }
@@ -65,9 +66,9 @@ pub(in crate::search) fn revolved(
         // As it is it has no pole, and panels without a slit.
         let most = promised(face, options.tolerance)?.checked_sub(1)?;
         let tolerance = options.tolerance + face.trim_bound() - turned.trim_bound();
-        return about_axis(&turned, &CoverOptions { tolerance, ..options.clone() }, Some(most), between, control);
+        return about_axis(&turned, &CoverOptions { tolerance, ..options.clone() }, most, between, control);
     }
-    about_axis(face, options, None, between, control)
+    about_axis(face, options, usize::MAX, between, control)
 }
 
 /// Number of panels that theory promises; `None` where it promises nothing.
@@ -75,21 +76,15 @@ fn promised(face: &Face, tolerance: f64) -> Option<usize> {
     band_range(face).map(|range| (range / (4.0 * tolerance.sqrt())).ceil() as usize)
 }
 
-/// See [`revolved`], with `most` cones; if that is not told, as many as it takes all round the axis.
+/// See [`revolved`], with `most` cones. Round a part of the axis strips may run in other ways, and be fewer.
 fn about_axis(
     face: &Face,
     options: &CoverOptions,
-    most: Option<usize>,
+    most: usize,
     between: &HashSet<u64>,
     control: &Control,
 ) -> Option<(Face, State)> {
-    let meridian = Meridian::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
-    let most = match most {
-        Some(most) => most,
-        None if meridian.is_whole() => usize::MAX,
-        // Round a part of the axis strips may run in other ways, and be fewer.
-        None => promised(face, options.tolerance)?,
-    };
+    let meridian = Meridian::of(&face.surface, bounds(face), SLACK * options.tolerance).filter(Meridian::is_whole)?;
     let ended = beside_poles(face, &meridian, options.tolerance).unwrap_or_else(|| face.clone());
     let tolerance = options.tolerance + face.trim_bound() - ended.trim_bound();
     let options = CoverOptions { tolerance, max_panels: options.max_panels.min(most), ..options.clone() };
@@ -103,7 +98,7 @@ fn about_axis(
         if chords.count() > (fewest + MORE).min(options.max_panels) || control.stopped() {
             return None;
         }
-        if let Some(state) = job.cones(&meridian, &corners, &chords) {
+        if let Some(state) = job.cones(&meridian, &corners, &chords).filter(|_| !control.stopped()) {
             drop(job);
             return Some((ended, state));
         }
@@ -355,10 +350,10 @@ mod tests {
     }
 
     #[test]
-    fn faces_round_a_part_of_the_axis_are_left_to_fewer_strips() {
-        // As long as four cones are wide, and as broad as one strip.
-        assert!(cones(&zone((-0.8, 0.8), 0.3), 1.05).is_none());
-        // As long as a cone is wide, all but a gap round.
-        assert!(cones(&zone((-0.15, 0.15), 6.0), 1.05).is_some());
+    fn faces_round_a_part_of_the_axis_and_those_with_seams_are_left_to_strips() {
+        assert!(cones(&zone((-0.15, 0.15), 6.0), 1.05).is_none());
+        let mut options = CoverOptions::new(1.05);
+        options.layout.kind = LayoutKind::Strips;
+        assert!(revolved(&zone((-0.6, 0.6), TAU), &options, &HashSet::default(), &Control::default()).is_none());
     }
 }
