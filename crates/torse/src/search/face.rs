@@ -52,8 +52,8 @@ pub(crate) struct Wanted<'a> {
     pub meet: bool,
     /// Progress and cancellation.
     pub control: &'a Control,
-    /// Numbers of the file's edges in which faces meet.
-    pub between: HashSet<u64>,
+    /// Bodies and numbers of the file's edges in which faces meet.
+    pub between: HashSet<(u32, u64)>,
     /// When stopgaps of all faces together must end: set by the first that needs one.
     pub deadline: OnceLock<Instant>,
 }
@@ -92,14 +92,15 @@ impl Wanted<'_> {
     }
 }
 
-/// Numbers of the file's edges in which different faces meet.
-pub(crate) fn edges_between(faces: &[Face]) -> HashSet<u64> {
-    let mut first: HashMap<u64, usize> = HashMap::default();
+/// Edges of the file in which different faces of a body meet. Bodies of a Rhino archive number theirs each for itself.
+pub(crate) fn edges_between(faces: &[Face]) -> HashSet<(u32, u64)> {
+    let mut first: HashMap<(u32, u64), usize> = HashMap::default();
     let mut out = HashSet::default();
     for (k, face) in faces.iter().enumerate() {
         for edge in face.boundary.iter().flat_map(|b| &b.loops).flatten() {
-            if *first.entry(edge.entity).or_insert(k) != k {
-                out.insert(edge.entity);
+            let edge = (face.body, edge.entity);
+            if *first.entry(edge).or_insert(k) != k {
+                out.insert(edge);
             }
         }
     }

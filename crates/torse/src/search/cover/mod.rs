@@ -7,6 +7,8 @@
 //! bands in the directions that are left, where more panels are needed than theory asks for; bisection, which always
 //! ends, at worst with small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
+//! What is developable already, and faces of revolution, come before all that (`exact`, `revolved`).
+//!
 //! This file holds the recursion; `propose` fits and proves single torses, `march` lays bands.
 
 mod curve_on_face;

@@ -4,6 +4,7 @@
 use super::band_range;
 use super::job::{CoverOptions, Job};
 use super::layout::LayoutKind;
+use super::limits::Limits;
 use super::state::{grid_lines, Density, State};
 use crate::brep::face::Face;
 use crate::brep::meridian::Meridian;
@@ -53,7 +54,7 @@ const COMPARED: usize = 65;
 pub(in crate::search) fn revolved(
     face: &Face,
     options: &CoverOptions,
-    between: &HashSet<u64>,
+    between: &HashSet<(u32, u64)>,
     control: &Control,
 ) -> Option<(Face, State)> {
     let layout = &options.layout;
@@ -66,9 +67,9 @@ pub(in crate::search) fn revolved(
         // As it is it has no pole, and panels without a slit.
         let most = promised(face, options.tolerance)?.checked_sub(1)?;
         let tolerance = options.tolerance + face.trim_bound() - turned.trim_bound();
-        return about_axis(&turned, &CoverOptions { tolerance, ..options.clone() }, most, between, control);
+        return about_axis(&turned, &CoverOptions { tolerance, ..options.clone() }, Some(most), between, control);
     }
-    about_axis(face, options, usize::MAX, between, control)
+    about_axis(face, options, None, between, control)
 }
 
 /// Number of panels that theory promises; `None` where it promises nothing.
@@ -76,15 +77,22 @@ fn promised(face: &Face, tolerance: f64) -> Option<usize> {
     band_range(face).map(|range| (range / (4.0 * tolerance.sqrt())).ceil() as usize)
 }
 
-/// See [`revolved`], with `most` cones. Round a part of the axis strips may run in other ways, and be fewer.
+/// See [`revolved`], with at most so many cones. Without that, all round the axis it takes as many as it takes; round a part of it
+/// strips may run in other ways, and be fewer, or lie better on sheets.
 fn about_axis(
     face: &Face,
     options: &CoverOptions,
-    most: usize,
-    between: &HashSet<u64>,
+    most: Option<usize>,
+    between: &HashSet<(u32, u64)>,
     control: &Control,
 ) -> Option<(Face, State)> {
-    let meridian = Meridian::of(&face.surface, bounds(face), SLACK * options.tolerance).filter(Meridian::is_whole)?;
+    let meridian = Meridian::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
+    let most = match most {
+        Some(most) => most,
+        None if meridian.is_whole() => usize::MAX,
+        None if options.limits == Limits::default() => promised(face, options.tolerance)?,
+        None => return None,
+    };
     let ended = beside_poles(face, &meridian, options.tolerance).unwrap_or_else(|| face.clone());
     let tolerance = options.tolerance + face.trim_bound() - ended.trim_bound();
     let options = CoverOptions { tolerance, max_panels: options.max_panels.min(most), ..options.clone() };
@@ -108,9 +116,9 @@ fn about_axis(
 }
 
 /// Which ends of the meridian are edges between faces.
-fn rims_between(face: &Face, meridian: &Meridian, between: &HashSet<u64>) -> [bool; 2] {
+fn rims_between(face: &Face, meridian: &Meridian, between: &HashSet<(u32, u64)>) -> [bool; 2] {
     let Some(boundary) = &face.boundary else { return [false; 2] };
-    let edges = boundary.loops.iter().flatten().filter(|e| between.contains(&e.entity));
+    let edges = boundary.loops.iter().flatten().filter(|e| between.contains(&(face.body, e.entity)));
     let labels: HashSet<u32> = edges.map(|e| e.label).collect();
     let along = meridian.along();
     let mut out = [false; 2];
@@ -350,8 +358,18 @@ mod tests {
     }
 
     #[test]
-    fn faces_round_a_part_of_the_axis_and_those_with_seams_are_left_to_strips() {
-        assert!(cones(&zone((-0.15, 0.15), 6.0), 1.05).is_none());
+    fn faces_round_a_part_of_the_axis_are_left_to_fewer_strips() {
+        // Far less round than high: strips that run up it are fewer.
+        assert!(cones(&zone((-0.8, 0.8), 0.3), 1.05).is_none());
+        let face = zone((-0.15, 0.15), 6.0);
+        assert!(cones(&face, 1.05).is_some_and(|(_, state)| state.is_complete()));
+        let mut options = CoverOptions::new(1.05);
+        options.limits.max_length = Some(300.0);
+        assert!(revolved(&face, &options, &HashSet::default(), &Control::default()).is_none());
+    }
+
+    #[test]
+    fn strips_that_are_asked_for_stay_strips() {
         let mut options = CoverOptions::new(1.05);
         options.layout.kind = LayoutKind::Strips;
         assert!(revolved(&zone((-0.6, 0.6), TAU), &options, &HashSet::default(), &Control::default()).is_none());
