@@ -127,7 +127,7 @@ fn places(k: usize, samples: &[Given], lines: &[Line]) -> Vec<Place> {
 
 /// The strip near a torse of the cover, on as many equal spans as it takes, in the form that bears them.
 fn member(label: u32, torse: &Torse, places: &[Place], tolerance: f64) -> Option<Member> {
-    let ((lo, hi), distances) = feet_on(torse, places)?;
+    let ((lo, hi), distances) = feet_on(torse, places, tolerance)?;
     let margin = BEYOND * (hi - lo);
     let range = (lo - margin, hi + margin);
     let mut best: Option<(f64, Member)> = None;
@@ -189,21 +189,38 @@ impl Start {
 
 /// Least cosine between the normals of face and strip at a foot.
 const FACING: f64 = 0.5;
+/// Share of the domain up to which feet of a point are one.
+const ONE_FOOT: f64 = 1e-3;
 
-/// Range of the feet of points on a torse, and their distances from it, mm.
-fn feet_on(torse: &Torse, places: &[Place]) -> Option<((f64, f64), Vec<f64>)> {
+/// Range of the feet of points on a torse, and their distances from it, mm. Beyond a fold at its end a torse may come as near to
+/// points again (`tolerance`): of several feet those count that are nearest to the rulings of points with one.
+fn feet_on(torse: &Torse, places: &[Place], tolerance: f64) -> Option<((f64, f64), Vec<f64>)> {
     let rulings = Rulings::of(torse);
-    let found: Vec<Option<(f64, f64)>> = places
+    let feet_of = |(x, n): &Place| {
+        let feet = rulings.near(x).into_iter().filter_map(|t| torse.foot(x, t));
+        let good = |t: &f64| *n == Vec3::zeros() || torse.ruling(*t).normal.dot(n).abs() > FACING;
+        let mut feet: Vec<(f64, f64)> = feet.filter(good).map(|t| (t, torse.plane_distance(x, t))).collect();
+        feet.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let least = feet.first()?.1.abs();
+        feet.retain(|f| f.1.abs() <= least + tolerance);
+        Some(feet)
+    };
+    let feet: Vec<Vec<(f64, f64)>> = places.iter().map(feet_of).collect::<Option<_>>()?;
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let range_of = |range: (f64, f64), t: f64| (range.0.min(t), range.1.max(t));
+    let (a, b) = torse.domain();
+    let spread = |feet: &Vec<(f64, f64)>| feet.iter().fold(none, |r, f| range_of(r, f.0));
+    let sure = feet
         .iter()
-        .map(|(x, n)| {
-            let feet = rulings.near(x).into_iter().filter_map(|t| torse.foot(x, t));
-            let good = |t: &f64| *n == Vec3::zeros() || torse.ruling(*t).normal.dot(n).abs() > FACING;
-            feet.filter(good).map(|t| (t, torse.plane_distance(x, t))).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-        })
-        .collect();
-    let found: Vec<(f64, f64)> = found.into_iter().collect::<Option<_>>()?;
-    let range = found.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f.0), b.max(f.0)));
-    Some((range, found.into_iter().map(|f| f.1).collect()))
+        .map(spread)
+        .filter(|r| r.1 - r.0 <= ONE_FOOT * (b - a))
+        .fold(none, |r, (lo, hi)| (r.0.min(lo), r.1.max(hi)));
+    let off = |t: f64| if sure.0 <= sure.1 { (sure.0 - t).max(t - sure.1).max(0.0) } else { 0.0 };
+    // The first of those that are equally far off is the nearest.
+    let chosen: Vec<(f64, f64)> =
+        feet.into_iter().filter_map(|f| f.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)))).collect();
+    let range = chosen.iter().fold(none, |r, f| range_of(r, f.0));
+    Some((range, chosen.into_iter().map(|f| f.1).collect()))
 }
 
 /// Shares of an edge on the border of the face at which it is sampled besides its ends: distances peak there, and few edges
@@ -348,5 +365,41 @@ fn vertex(end: End) -> Option<usize> {
     match end {
         End::Vertex(v) => Some(v),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::knots::Knots;
+    use crate::spline::lsq;
+    use crate::torse::form::DualTorse;
+
+    /// A general cylinder along z of radius 100 that runs back between the angles 0.8 and 1, and forward again: to points beside the
+    /// first sheet the last is as near.
+    #[test]
+    fn feet_lie_on_the_sheet_that_points_with_one_foot_have() {
+        let radius = |t: f64| if (0.8..1.0).contains(&t) { -100.0 } else { 100.0 };
+        let (count, length) = (1400, 1.4);
+        let at = |i: usize| length * i as f64 / count as f64;
+        let tangent = |t: f64| Vec3::new(-t.sin(), t.cos(), 0.0);
+        let mut points = vec![Vec3::new(100.0, 0.0, 0.0)];
+        for i in 0..count {
+            let t = 0.5 * (at(i) + at(i + 1));
+            points.push(points[i] + tangent(t) * (radius(t) * length / count as f64));
+        }
+        let planes: Vec<[f64; 4]> = (0..=count)
+            .map(|i| [at(i).cos(), at(i).sin(), 0.0, points[i].x * at(i).cos() + points[i].y * at(i).sin()])
+            .collect();
+        let parameters: Vec<f64> = (0..=count).map(at).collect();
+        let knots = Knots::uniform(3, 70, 0.0, length).expect("knots");
+        let torse = Torse::Dual(DualTorse { planes: lsq::fit(&planes, &parameters, &knots).expect("planes").curve });
+        let mut places: Vec<Place> = (50..500).step_by(50).map(|i| (points[i], Vec3::zeros())).collect();
+        // On the last sheet, and four millimetres off the first.
+        places.push((points[1050], Vec3::zeros()));
+        let nearest = feet_on(&torse, &places, 0.1).expect("feet");
+        assert!((nearest.0 .1 - 1.05).abs() < 0.02, "{:?}", nearest.0);
+        let ((_, last), distances) = feet_on(&torse, &places, 10.0).expect("feet");
+        assert!(last < 0.8 && distances[9].abs() > 1.0 && distances[9].abs() < 10.0, "{last} {distances:?}");
     }
 }

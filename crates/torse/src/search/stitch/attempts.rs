@@ -38,7 +38,7 @@ const MOST_COUNTED: f64 = 3.0;
 /// Places that count more than this have lost part of the tolerance to ends of panels.
 const ENDS: f64 = 1.02;
 /// See [`Attempts::most`], of another number of strips than the cover has: what the proof finds is some percent more.
-const NEAR_ENOUGH: f64 = 0.985;
+const NEAR_ENOUGH: f64 = 0.995;
 /// See [`Attempts::most`], of strips that are to meet those of other faces: of places where distances count more some may be
 /// too far away, and cost no more than an edge.
 const LOW_ENOUGH: f64 = 1.15;
