@@ -80,6 +80,8 @@ const COLLAPSED: f64 = 1e-12;
 const FLAT: f64 = 0.02;
 /// Share of samples whose ratio may stay below one after rescaling.
 const QUANTILE: f64 = 0.03;
+/// A gain below this share counts as none.
+const SMALL: f64 = 1e-3;
 
 /// Conditions, and places for the range of φ, that the first program of a start looks at.
 const ROWS: usize = 240;
@@ -87,6 +89,8 @@ const ROWS: usize = 240;
 const WATCHED: usize = 120;
 /// Conditions that join after a program, the worst of those that it failed.
 const JOINING: usize = 24;
+/// Ratio below which a condition counts as failed: with one the hull in strips at 40 mm takes twice the time, for the same panels.
+const FAILED: f64 = 0.985;
 /// Share of the median by which conditions must be met for their root to be taken linearly: nearer to zero, and below
 /// it, the root has no slope to be trusted, and the condition itself is taken.
 const NEARLY_MISSED: f64 = 1e-3;
@@ -399,7 +403,7 @@ impl Problem {
             }
             match next {
                 Some(next) if next.merit < best.merit => {
-                    stalled = 0;
+                    stalled = if (best.merit - next.merit) < SMALL * best.merit { stalled + 1 } else { 0 };
                     best = next;
                 }
                 _ => {
@@ -422,7 +426,7 @@ impl Problem {
             .iter()
             .map(|r| r.ratio(&l.field.coefficients, l.sign))
             .enumerate()
-            .filter(|(k, ratio)| *ratio < 1.0 && !active.rows.contains(k))
+            .filter(|(k, ratio)| *ratio < FAILED && !active.rows.contains(k))
             .map(|(k, ratio)| (ratio, k))
             .collect();
         failed.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -64,8 +64,8 @@ fn best_heights(samples: &[Sample], frame: &Frame, extent: f64) -> Option<[f64; 
     const ROUNDS: usize = 12;
     // Accepted excess of a sample outside the support over the optimum of the support.
     const EXCESS: f64 = 1.001;
-    // Gap of the linear problem, as a share of the largest distance: a third of that excess.
-    const GAP: f64 = (EXCESS - 1.0) / 3.0;
+    // Gap of the linear problem, as a share of the largest distance: well below that excess.
+    const GAP: f64 = 0.3 * (EXCESS - 1.0);
     // Rounding of a height; the extent is 1.
     const ROUNDING: f64 = 1e-15;
     // Weight of a step's own size, extent 1: keeps collinear samples solvable, and moves others by less than is seen.
