@@ -34,8 +34,8 @@ const DIGITS: f64 = 2e-8;
 const AT_POLE: f64 = 1.0 / 250.0;
 /// Places of a meridian at which its distance from the axis is looked at.
 const TURNED: usize = 64;
-/// Share of the tolerance within which lines are rulings.
-const SLACK: f64 = 0.05;
+/// Share of the tolerance within which lines are rulings, and keep their tangent planes: files round.
+pub(super) const SLACK: f64 = 0.05;
 /// Distance at the wide end, as a share of the tolerance, within which a side of the trim that runs to the tip is a ruling.
 const STRAIGHT: f64 = 0.01;
 

@@ -6,10 +6,10 @@ use crate::brep::face::Face;
 use crate::control::Control;
 use crate::torse::form::PanelKind;
 
-/// Rounds of cutting panels that the judge refuses as built.
-const ROUNDS: usize = 6;
-/// Round from which refused regions get plane facets only: these can always be built.
+/// Round of cutting panels that the judge refuses as built from which they get plane facets only: these can always be built.
 const FACET_ROUND: usize = 3;
+/// Rounds of that, at most: as many with facets as without.
+const ROUNDS: usize = 2 * FACET_ROUND;
 
 /// A face while panels are laid on it.
 pub(super) struct Task<'a> {

@@ -14,7 +14,7 @@ use super::cover::{cover, exact_regions, exactly, is_developable, CoverOptions, 
 use super::laid::{Laid, Task};
 use crate::geom::Vec3;
 
-/// Rounds of cutting panels that are still too large.
+/// Rounds of cutting panels that are still too large, at most: some no cut makes fit.
 const ROUNDS: usize = 8;
 /// Numbers of sections that are tried beyond the least: strips are longer than the face is, where they run askew.
 const MORE_SECTIONS: usize = 1;

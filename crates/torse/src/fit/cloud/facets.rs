@@ -7,6 +7,7 @@
 //! tessellation \[BA08\] with the weight that is exact for circles).
 //! *Not guaranteed*: anything. The points are to guide a fit; what is judged are the corners, which are what is given.
 
+use super::regions::CREASE;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use std::collections::HashMap;
@@ -22,8 +23,6 @@ pub(crate) struct FacetPoint {
     pub facet: u32,
 }
 
-/// Cosine of the angle between facets at an edge beyond which it is a crease: 35°, as between estimates.
-const CREASE: f64 = 0.819_152_044_288_991_8;
 /// Weight of the projections that lifts chords of a circle onto it.
 const LIFT: f64 = 0.5;
 /// Corners up to which a mesh is coarse as a whole: fewer say too little about the surface between them.

@@ -4,6 +4,9 @@
 use crate::geom::{BBox, Vec3};
 use std::collections::HashMap;
 
+/// Points that take part in finding sizes: enough for shares of a hundredth, in clouds of any size.
+const SOME: usize = 60_000;
+
 /// Cells with the indices of their points.
 pub(super) struct Grid {
     origin: Vec3,
@@ -33,8 +36,7 @@ impl Grid {
 
     /// A grid with at most about `count` occupied cells: surfaces fill cells with the square of the refinement.
     pub fn with_count(points: &[Vec3], count: usize) -> Self {
-        // Points that take part in finding the size, and steps.
-        const SOME: usize = 60_000;
+        // Steps towards the size.
         const STEPS: usize = 7;
         let diagonal = core(points).diagonal();
         let some: Vec<Vec3> = points.iter().step_by(points.len().div_ceil(SOME).max(1)).copied().collect();
@@ -66,8 +68,7 @@ impl Grid {
 
 /// The box around nearly all points: a few that lie far away, as scanners write them, do not count.
 pub(crate) fn core(points: &[Vec3]) -> BBox {
-    // Points looked at, and the share of them left out on each side.
-    const SOME: usize = 60_000;
+    // Share of the points that is left out on each side.
     const SHARE: f64 = 0.01;
     // The box of the rest is wider by as much of its diagonal, so that it holds the borders.
     const WIDER: f64 = 0.5;

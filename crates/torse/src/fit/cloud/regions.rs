@@ -7,8 +7,8 @@
 use super::estimates::Estimates;
 use crate::geom::Vec3;
 
-/// Cosine between unoriented normals of neighbours below which there is a crease: 35°.
-const CREASE: f64 = 0.819_152_044_288_991_8;
+/// Cosine between unoriented normals of neighbours, places or facets, below which there is a crease: 35°.
+pub(super) const CREASE: f64 = 0.819_152_044_288_991_8;
 /// Share of the distance by which a neighbour may lie above the tangent plane.
 const STEP: f64 = 0.55;
 

@@ -92,7 +92,7 @@ const RULINGS: usize = 7;
 const RESERVE: f64 = 1.1;
 /// Samples per smooth piece when inflections are sought.
 const SCAN: usize = 64;
-/// Shortest step, as a share of the domain.
+/// Shortest step, as a share of the domain: where no pair fits, steps would be halved without end.
 const SHORTEST: f64 = 1e-7;
 /// A remainder shorter than this share of the last step is joined to it.
 const REMAINDER: f64 = 0.3;

@@ -6,9 +6,8 @@
 
 use super::span_series::Sloped;
 use crate::fit::cloud::extent::ExtentError;
-use crate::fit::near::directions::MARGIN;
 use crate::fit::near::power_form::PowerForm;
-use crate::fit::near::samples::Fit;
+use crate::fit::near::samples::{Fit, MARGIN};
 use crate::geom::Vec3;
 use crate::num::golden_section;
 use crate::spline::pieces::Pieces;

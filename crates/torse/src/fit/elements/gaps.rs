@@ -1,11 +1,9 @@
 //! Where rulings leave much more room between two neighbours than elsewhere, and the groups that belong to sheets of their own.
 
-use super::given::FEWEST;
-use super::ruling_order::ordered;
+use super::ruling_order::{ordered, WIDE};
+use super::sequence::FEWEST;
 use crate::geom::Vec3;
 
-/// Distance of neighbours that is told of, in median distances: rulings of one sheet lie closer where it bends more.
-pub(crate) const WIDE: f64 = 5.0;
 /// Distance of neighbours that belong to two sheets if the sheet between them would not be plane, in median distances.
 const APART: f64 = 10.0;
 /// Sagitta of an arc as a share of its chord and of the angles (rad) between both at its two ends, added.

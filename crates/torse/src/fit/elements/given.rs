@@ -3,14 +3,13 @@
 
 use super::outliers::{outliers, MOST};
 use super::ruling_order::ordered;
+pub(crate) use super::sequence::FEWEST;
 use crate::fit::planes::estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
 use crate::geom::Vec3;
 use crate::torse::contact::{orient, ContactElement, Given};
 
-/// Elements without which no surface is looked for.
-pub(crate) const FEWEST: usize = 4;
 /// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
 pub(crate) const NARROW: f64 = 0.1;
 /// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.

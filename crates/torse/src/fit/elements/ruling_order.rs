@@ -29,10 +29,16 @@ pub(crate) fn ordered(rulings: &[[Vec3; 2]]) -> Vec<[Vec3; 2]> {
 
 /// Whether the last of some rulings repeats the first, up to the digits of files.
 pub(crate) fn is_ring(rulings: &[[Vec3; 2]]) -> bool {
-    const ROUNDED: f64 = 1e-6;
     let [first, .., last] = rulings else { return false };
     rulings.len() > RING && gap(first, last) <= ROUNDED * length(rulings) / rulings.len() as f64
 }
+
+/// Share by which distances may differ that are the same up to the digits of files.
+const ROUNDED: f64 = 1e-6;
+
+/// Distance of neighbours, in median distances, beyond which they may belong to two sheets, or to the two ends of one, and is
+/// told of: rulings of one sheet lie closer where it bends more.
+pub(crate) const WIDE: f64 = 5.0;
 
 /// Rulings that are no ring if they are not more: the ends of a sequence of a few are near each other, too.
 const RING: usize = 6;
@@ -46,8 +52,6 @@ pub(crate) fn opening(sequence: &[[Vec3; 2]]) -> Option<(f64, Vec3)> {
 
 /// Whether rulings come as they are around a ring which the `chain` of nearest ones only opens elsewhere.
 fn is_around(given: &[[Vec3; 2]], chain: &[[Vec3; 2]]) -> bool {
-    // Rounding of sums of distances.
-    const ROUNDED: f64 = 1e-9;
     let (Some(a), Some(b)) = (closing(given), closing(chain)) else { return false };
     length(given) + a <= (length(chain) + b) * (1.0 + ROUNDED) && joins(chain)
 }
@@ -63,8 +67,6 @@ fn opened(mut chain: Vec<[Vec3; 2]>) -> Vec<[Vec3; 2]> {
 
 /// Whether the ends of a chain are as near each other as neighbours in it may be.
 fn joins(chain: &[[Vec3; 2]]) -> bool {
-    // Neighbours that are farther apart belong to two sheets, or to the two ends of one.
-    const WIDE: f64 = 5.0;
     let mut steps: Vec<f64> = chain.windows(2).map(|w| gap(&w[0], &w[1])).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2);

@@ -7,10 +7,9 @@
 //! distances; see the judge.
 
 use crate::fit::near::descent::RefitOptions;
-use crate::fit::near::directions::MARGIN;
 use crate::fit::near::dual;
 use crate::fit::near::primal::{primal, PrimalOptions};
-use crate::fit::near::samples::{error, Fit, Sample};
+use crate::fit::near::samples::{error, Fit, Sample, MARGIN};
 use crate::fit::planes::correction::{corrected, joint, JointOptions};
 use crate::fit::planes::frame::{frame_of_normals, slope_frame, STEEPEST};
 use crate::fit::planes::functionals::Freedom;
@@ -70,8 +69,8 @@ pub struct SequencePiece {
     pub kept_off: bool,
 }
 
-/// Fewest elements of a piece that is more than a plane.
-const FEWEST: usize = 4;
+/// Elements without which no surface is looked for, but a plane.
+pub(crate) const FEWEST: usize = 4;
 
 /// Torses for the runs of a sequence, greedily as long as can be. Every element belongs to a piece.
 ///
@@ -119,8 +118,6 @@ fn greedy(
     options: &SequenceOptions,
     out: &mut Vec<SequencePiece>,
 ) {
-    // Bisections of a run: its length is then within a thirtieth of the longest.
-    const STEPS: usize = 5;
     let mut from = range.start;
     while from + 1 < range.end {
         let rest = range.end - from;
@@ -129,7 +126,8 @@ fn greedy(
         let mut length = rest;
         if best.is_empty() && rest > FEWEST && out.len() < options.max_pieces {
             let (mut good, mut bad) = (0usize, rest);
-            for _ in 0..STEPS.max(rest.ilog2() as usize) {
+            // Bisections of its length, to the last element.
+            loop {
                 let middle = if good == 0 { (bad / 2).max(FEWEST) } else { good.midpoint(bad) };
                 if middle <= good || middle >= bad {
                     break;

@@ -6,7 +6,7 @@
 //! needs (cubic splines by least squares over the arc length).
 
 use super::dual::CentrePoint;
-use super::tangent_envelope::NO_NORMAL;
+use super::tangent_envelope::ROUNDING;
 use crate::geom::Vec3;
 use crate::spline::field::Field;
 use crate::spline::knots::Knots;
@@ -85,7 +85,7 @@ fn advance(surface: &Surface, field: &Field, p: [f64; 2], length: f64, at: [f64;
 fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
     let j = surface.extended_jet(p[0], p[1]);
     let n = j.normal();
-    if n.norm() <= NO_NORMAL * j.du.norm() * j.dv.norm() {
+    if n.norm() <= ROUNDING * j.du.norm() * j.dv.norm() {
         return None;
     }
     let n = n.normalize();
@@ -99,11 +99,9 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
 }
 
 /// Number of equal spans of a cubic spline that follows a centre line within a distance (mm), on a stretch of it as long
-/// as `extent` (mm); at most 80. *Not guaranteed*: the fewest; numbers rise by a quarter, and only the points of the line
-/// are looked at.
-pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> usize {
-    const FIRST: usize = 4;
-    const MOST: usize = 80;
+/// as `extent` (mm); no more than `most`. *Not guaranteed*: the fewest; numbers rise by a quarter, and only the points of the
+/// line are looked at.
+pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64, most: usize) -> usize {
     let points: Vec<[f64; 3]> = line.iter().map(|p| p.x.into()).collect();
     let parameters = chord_parameters(&points);
     // Too few points, or none that differ, ask for nothing.
@@ -113,12 +111,12 @@ pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> u
             .and_then(|knots| fit(&points, &parameters, &knots).ok())
             .is_none_or(|fit| fit.error <= distance)
     };
-    let mut spans = FIRST;
-    while spans < MOST && !follows(spans) {
+    let mut spans = 1;
+    while spans < most && !follows(spans) {
         spans += spans.div_ceil(4);
     }
     let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
-    (spans as f64 * (extent / length).min(1.0)).ceil().min(MOST as f64) as usize
+    (spans as f64 * (extent / length).min(1.0)).ceil().min(most as f64) as usize
 }
 
 /// Whether the normal curvature of a centre line changes its sign, its points being about equally spaced; curvatures below
@@ -146,13 +144,13 @@ mod tests {
         };
         let wave = line(&|x| 0.01 * (40.0 * x).sin());
         let straight = line(&|x| 0.1 * x);
-        assert!(spans_along(&straight, 1e-4, 2.0) == 4, "{}", spans_along(&straight, 1e-4, 2.0));
+        assert!(spans_along(&straight, 1e-4, 2.0, 80) == 1, "{}", spans_along(&straight, 1e-4, 2.0, 80));
         let needed = (0.01 * 40f64.powi(4) / 384.0 / 1e-4_f64).powf(0.25);
-        let spans = spans_along(&wave, 1e-4, 2.0);
+        let spans = spans_along(&wave, 1e-4, 2.0, 80);
         assert!((0.8 * needed..1.8 * needed).contains(&(spans as f64)), "{spans} {needed}");
         // On half of it, half as many; more within a smaller distance.
-        assert!(spans_along(&wave, 1e-4, 0.5).abs_diff(spans / 2) <= 1);
-        assert!(spans_along(&wave, 1e-5, 2.0) > spans);
-        assert!(spans_along(&[], 1e-4, 1.0) <= 4 && spans_along(&wave[..1], 1e-4, 1.0) <= 4);
+        assert!(spans_along(&wave, 1e-4, 0.5, 80).abs_diff(spans / 2) <= 1);
+        assert!(spans_along(&wave, 1e-5, 2.0, 80) > spans);
+        assert!(spans_along(&[], 1e-4, 1.0, 80) <= 1 && spans_along(&wave[..1], 1e-4, 1.0, 80) <= 1);
     }
 }

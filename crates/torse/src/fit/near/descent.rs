@@ -73,8 +73,21 @@ const SHARES: [f64; 4] = [1.0, 0.4, 0.16, 0.064];
 const DAMPING: f64 = 1e-3;
 /// Damping at its least: what samples determine is then known to a millionth, and what they do not stays finite.
 const LEAST_DAMPING: f64 = 1e-6;
+/// Error, as a share of the size, for which the weights of soft conditions are made.
+const SUITED: f64 = 1e-3;
+/// Share of their weights that they keep where errors vanish: unknowns that no sample sees stay determined.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+/// Share of their weights with which soft conditions count: they shrink with the error, so that they never decide it.
+pub(super) fn balance(error: f64) -> f64 {
+    (error / SUITED).clamp(LEAST_WEIGHT, 1.0)
+}
+
 /// A promise to lower the largest distance by less than this share is none: the gap of the linear problem is larger.
 const NO_GAIN: f64 = 1e-4;
+
+/// Rounds of exchange, and of repairs: in each, samples join.
+const ROUNDS: usize = 4;
 
 /// A fit under way.
 pub(crate) struct Descent<'a, F: Family> {
@@ -262,7 +275,7 @@ impl<'a, F: Family> Descent<'a, F> {
     pub fn minimax(&mut self) -> f64 {
         // Gap of the linear problem: well below the gain at which steps end.
         const GAP: f64 = 2e-3;
-        // Trials with growing damping and stiffness.
+        // Trials with growing damping and stiffness, before a step is given up.
         const TRIALS: usize = 5;
         let before = self.worst;
         if before <= 0.0 {
@@ -426,22 +439,14 @@ pub(crate) fn descended<F: Family>(
 ) -> Option<(Vec<f64>, f64)> {
     // A gain below this share ends the unweighted steps.
     const SMALL: f64 = 0.01;
-    // Failed steps that are tried again with more stiffness.
-    const FAILURES: usize = 2;
     let mut d = Descent::new(family, x, few.to_vec())?;
-    let mut failures = 0;
     for _ in 0..steps {
         if d.family.stopped() {
             break;
         }
         let before = d.rms();
-        if !d.gauss_newton() {
-            // The next step is stiffer.
-            failures += 1;
-            if failures > FAILURES {
-                break;
-            }
-        } else if d.rms() > (1.0 - SMALL) * before {
+        // After a step that failed the next one is stiffer.
+        if d.gauss_newton() && d.rms() > (1.0 - SMALL) * before {
             break;
         }
     }
@@ -474,8 +479,7 @@ pub(crate) fn repaired<F: Family>(
     all: &[usize],
     steps: [usize; 2],
 ) -> Option<(Vec<f64>, Option<f64>)> {
-    // Rounds, samples that join per round, and shares of the way back.
-    const ROUNDS: usize = 4;
+    // Samples that join per round, and shares of the way back.
     const ADDED: usize = 20;
     const BACK: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
     let mut worst = None;
@@ -500,9 +504,6 @@ pub(crate) fn repaired<F: Family>(
     }
     None
 }
-
-/// Rounds of exchange.
-const ROUNDS: usize = 4;
 
 /// Minimax with exchange over all samples; the largest distance, with `x` replaced.
 pub(crate) fn polished<F: Family>(

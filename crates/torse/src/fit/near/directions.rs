@@ -4,12 +4,10 @@
 use super::descent::{Descent, Family};
 use super::plane::principal_frame;
 use super::profile::{ProfileFamily, Slopes};
-use super::samples::Sample;
+use super::samples::{Sample, MARGIN};
 use crate::control::Control;
 use crate::geom::{Frame, Vec3};
 
-/// The final domain reaches this share of the feet's range beyond them.
-pub(in crate::fit) const MARGIN: f64 = 0.08;
 /// An extent along the profile below this share of all extents leaves no profile.
 const NO_PROFILE: f64 = 1e-6;
 
@@ -32,6 +30,8 @@ pub(crate) struct Candidate {
 /// A direction that makes a positive product with as many normals as possible: their mean, turned towards the farthest
 /// ones where these lie too far off. `None` if no direction has all normals within about 70°.
 pub(crate) fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
+    // Least cosine with a normal, and steps towards the farthest normals, each shorter than the last: where there is no such
+    // direction they would go on.
     const LEAST: f64 = 0.3;
     const STEPS: usize = 20;
     let normals: Vec<(Vec3, f64)> =

@@ -6,10 +6,9 @@
 use super::descent::RefitOptions;
 use super::descent::ENOUGH;
 use super::descent::{descended, polished, repaired, Family};
-use super::directions::MARGIN;
 use super::envelope::EnvelopeFamily;
 use super::power_form::{PowerForm, RegularityMargin};
-use super::samples::{measure, thin, Fit, Sample};
+use super::samples::{measure, thin, Fit, Sample, MARGIN};
 use crate::control::Control;
 use crate::geom::{BBox, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};

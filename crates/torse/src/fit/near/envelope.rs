@@ -1,7 +1,7 @@
 //! The family of dual torses: unknown control planes of a cubic spline (dual-and-approximation specification, B3.5).
 
 use super::basis::{cubic, Basis};
-use super::descent::Family;
+use super::descent::{balance, Family};
 use super::power_form::{widened, PowerForm, RegularityMargin};
 use super::samples::REGULAR_DUAL;
 use crate::control::Control;
@@ -53,8 +53,6 @@ impl EnvelopeFamily {
     pub fn new(points: Vec<Vec3>, feet: Option<Vec<f64>>, start: Pieces<4>) -> Option<(Self, Vec<f64>)> {
         // Gauges per span: enough to fix each control plane.
         const GAUGES: usize = 2;
-        // Turning of the normal per unit of the parameter below which the plane stands still there: rounding.
-        const STANDS_STILL: f64 = 1e-12;
         let breaks = start.breaks.clone();
         let basis = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let x = coefficients(&basis, &breaks, &start);
@@ -74,7 +72,7 @@ impl EnvelopeFamily {
                 }
                 // The direction perpendicular to ruling and normal.
                 let turn = j.m - j.n * (j.n.dot(&j.m) / nn);
-                gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(STANDS_STILL).unwrap_or_default() });
+                gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(0.0).unwrap_or_default() });
             }
         }
         let (margin, control) = (RegularityMargin::default(), Control::default());
@@ -241,15 +239,11 @@ impl Family for EnvelopeFamily {
     }
 
     fn soft(&self, x: &[f64], count: usize, error: f64, rows: &mut Rows, residual: &mut Vec<f64>) {
-        // Weights of the gauges for length and turning and of the third differences of the planes. They suit errors of
-        // a thousandth of the size and shrink with the error.
+        // Weights of the gauges for length and turning and of the third differences of the planes.
         const LENGTH: f64 = 1.0;
         const TURN: f64 = 0.05;
         const THIRD: f64 = 1e-3;
-        const SUITED: f64 = 1e-3;
-        const LEAST: f64 = 1e-4;
-        let balance = (error / SUITED).clamp(LEAST, 1.0);
-        let root = balance * (count as f64 / self.gauges.len() as f64).sqrt();
+        let root = balance(error) * (count as f64 / self.gauges.len() as f64).sqrt();
         for g in &self.gauges {
             let s = span_of(&self.breaks, g.t);
             let u = g.t - self.breaks[s];

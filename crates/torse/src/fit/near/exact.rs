@@ -25,24 +25,20 @@ pub(crate) struct ExactOptions {
 
 /// Turn of the normal (rad) per span of the first attempt, 3°: the curvature of the spline is then right to 10⁻³.
 const STEP: f64 = 0.052;
-/// Times that spans are halved.
-const HALVINGS: usize = 4;
-/// Spans at most.
+/// Spans at most, as they are halved.
 const MOST_SPANS: usize = 800;
 /// Rulings per span.
 const PER_SPAN: usize = 8;
 /// Rulings between two knots of the surface from which spans are laid.
 const COARSE: usize = 32;
-/// Angle (rad) between the normals and their mean up to which a plane profile serves best, and up to which it does at all.
+/// Angle (rad) between the normals and their mean up to which a plane profile serves best.
 const GENTLE: f64 = 0.9;
-/// See [`GENTLE`].
-const STEEPEST: f64 = 1.35;
 /// Breadth of a piece of a cone at its narrow end, as a share of that at the other, below which it is pointed.
 const POINTED: f64 = 0.02;
 /// Share of the rulings beside an apex where nothing is measured: rulings through it are the nearer, the nearer they come to it.
 const NEAR_TIP: f64 = 1e-3;
 /// Least cosine between rulings and the normal of the profile's plane.
-const LEAST_SLANT: f64 = 0.4;
+pub(crate) const LEAST_SLANT: f64 = 0.4;
 /// The domain reaches this share of its range beyond the outermost rulings.
 const MARGIN: f64 = 0.06;
 /// Share of the width below which the distance between the first and the last ruling is that of a pipe, nearly closed.
@@ -91,14 +87,15 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
     let forms: [(Form, bool); 5] = [
         (&profile, steepest <= GENTLE && !pointed),
         (&planes, true),
-        (&profile, pointed || steepest > GENTLE && steepest <= STEEPEST),
+        (&profile, pointed || steepest > GENTLE),
         (&|s: &Sampled| polynomial_cylinder(s, rulings), is_cylinder),
         (&cylinder, is_cylinder),
     ];
     let reached = |form: Form| {
         let mut best: Option<Fit> = None;
-        for halving in 0..=HALVINGS {
-            let Some(sampled) = Sampled::new(rulings, &stretches, halving) else { break };
+        let mut finer = 1;
+        while let Some(sampled) = Sampled::new(rulings, &stretches, finer) {
+            finer *= 2;
             let Some(torse) = form(&sampled) else { break };
             let measure = if sampled.closes() { nearest_error } else { error };
             let Some((error, worst)) = measure(&torse, &measured) else { break };
@@ -106,7 +103,7 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
             if error < before {
                 best = Some(Fit { torse, kind, error, worst: places[worst] });
             }
-            if error <= options.goal || error > BETTER * before {
+            if error <= options.goal || error > BETTER * before || error.is_nan() {
                 break;
             }
         }
@@ -176,8 +173,7 @@ struct Sampled {
 }
 
 impl Sampled {
-    fn new(rulings: &Rulings, stretches: &[Stretch], halving: usize) -> Option<Self> {
-        let finer = 1 << halving;
+    fn new(rulings: &Rulings, stretches: &[Stretch], finer: usize) -> Option<Self> {
         let mut out = Self { lines: Vec::new(), breaks: Vec::new() };
         for (i, stretch) in stretches.iter().enumerate() {
             let total = stretch.turn[COARSE];

@@ -1,6 +1,6 @@
 //! The plane nearest to samples in the sense of the largest distance.
 
-use super::samples::{error, Fit, Sample};
+use super::samples::{error, Fit, Sample, MARGIN};
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::num::minimax;
@@ -8,9 +8,6 @@ use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::torse::form::{PanelKind, PrimalTorse, Torse};
 use nalgebra as na;
-
-/// The domain reaches this share of the samples' extent beyond them on both sides.
-const MARGIN: f64 = 0.1;
 
 /// The plane with the smallest largest distance to the samples, as a primal torse whose rulings run along the
 /// direction of the second largest extent.
@@ -67,8 +64,8 @@ fn best_heights(samples: &[Sample], frame: &Frame, extent: f64) -> Option<[f64; 
     const ROUNDS: usize = 12;
     // Accepted excess of a sample outside the support over the optimum of the support.
     const EXCESS: f64 = 1.001;
-    // Gap of the linear problem, as a share of the largest distance: a third of that excess.
-    const GAP: f64 = 3e-4;
+    // Gap of the linear problem, as a share of the largest distance: well below that excess.
+    const GAP: f64 = 0.3 * (EXCESS - 1.0);
     // Rounding of a height; the extent is 1.
     const ROUNDING: f64 = 1e-15;
     // Weight of a step's own size, extent 1: keeps collinear samples solvable, and moves others by less than is seen.

@@ -6,11 +6,11 @@
 use super::descent::RefitOptions;
 use super::descent::ENOUGH;
 use super::descent::{descended, largest, polished, repaired, Family};
-use super::directions::{candidates, mean_direction, spans, Candidate, Counts, MARGIN};
+use super::directions::{candidates, mean_direction, spans, Candidate, Counts};
 use super::plane::plane;
 use super::power_form::{PowerForm, RegularityMargin};
 use super::profile::{ProfileFamily, Slopes};
-use super::samples::{measure, thin, Fit, Sample};
+use super::samples::{measure, thin, Fit, Sample, MARGIN};
 use crate::control::Control;
 use crate::geom::{Frame, Vec3};
 use crate::spline::pieces::Pieces;

@@ -2,7 +2,7 @@
 //! analytic derivatives of the distance (mixed-curvature specification, C1.3).
 
 use super::basis::{cubic, Basis};
-use super::descent::Family;
+use super::descent::{balance, Family};
 use super::power_form::{quintic, slope_integral, widened, PowerForm, RegularityMargin};
 use crate::control::Control;
 use crate::geom::{Frame, Vec3};
@@ -261,14 +261,11 @@ impl Family for ProfileFamily {
     }
 
     fn soft(&self, x: &[f64], count: usize, error: f64, rows: &mut Rows, residual: &mut Vec<f64>) {
-        // Weights of the prototype (C1.5) for third differences of f, second differences of a and a itself; they
-        // suit errors of a thousandth of the extent and shrink with the error, so that they never decide it.
+        // Weights of the prototype (C1.5) for third differences of f, second differences of a and a itself.
         const THIRD: f64 = 3e-3;
         const SECOND: f64 = 0.02;
         const SIZE: f64 = 1e-6;
-        const SUITED: f64 = 1e-3;
-        const LEAST: f64 = 1e-6;
-        let balance = (error / SUITED).clamp(LEAST, 1.0);
+        let balance = balance(error);
         let nf = self.f.count;
         let root = (count as f64).sqrt();
         let third = balance * THIRD / (nf as f64).sqrt();

@@ -29,6 +29,9 @@ pub struct Fit {
     pub worst: usize,
 }
 
+/// Share of the range of the feet by which domains of fits reach beyond it.
+pub(in crate::fit) const MARGIN: f64 = 0.08;
+
 /// Smallest accepted `1 + y a'` of a primal torse over the samples: the distance to the regression curve along a
 /// ruling is then at least a twentieth of the ruling's distance from the profile plane.
 pub(crate) const REGULAR_PRIMAL: f64 = 0.05;

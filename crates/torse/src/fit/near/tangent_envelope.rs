@@ -68,10 +68,8 @@ pub enum AlongError {
 
 /// Smallest sine between ruling and curve: at 3° a strip is twenty times longer along its rulings than it is wide.
 const LEAST_SINE: f64 = 0.05;
-/// Normals shorter than this share of `|S_u| |S_v|` are none.
-pub(super) const NO_NORMAL: f64 = 1e-9;
-/// Turning of the normal (rad over a radius of the largest curvature) below which there is none.
-const NO_TURN: f64 = 1e-9;
+/// Shares below this are rounding: of a normal in `|S_u| |S_v|`, of its turning in that along the largest curvature.
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// Rulings of the envelope of the tangent planes along the curve through parameter points (at least three, a smooth
 /// curve, about equally spaced).
@@ -105,7 +103,7 @@ fn tangent(line: &[[f64; 2]], i: usize) -> [f64; 2] {
 fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result<RulingPoint, AlongError> {
     let j = surface.extended_jet(uv[0], uv[1]);
     let n = j.normal();
-    if n.norm().is_nan() || n.norm() <= NO_NORMAL * j.du.norm() * j.dv.norm() {
+    if n.norm().is_nan() || n.norm() <= ROUNDING * j.du.norm() * j.dv.norm() {
         return Err(AlongError::Normal { share });
     }
     let n = n.normalize();
@@ -123,7 +121,7 @@ fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result
     let e = [j.du.norm_squared(), j.du.dot(&j.dv), j.dv.norm_squared()];
     let largest = (second[0] * e[2] - 2.0 * second[1] * e[1] + second[2] * e[0]).abs() / (cross * cross)
         + ((second[0] * second[2] - second[1] * second[1]).abs()).sqrt() / cross;
-    if w.norm().is_nan() || w.norm() <= NO_TURN * largest.max(f64::MIN_POSITIVE) * speed * cross {
+    if w.norm().is_nan() || w.norm() <= ROUNDING * largest.max(f64::MIN_POSITIVE) * speed * cross {
         return Err(AlongError::Flat { share });
     }
     let ruling = w.normalize();

@@ -24,10 +24,8 @@ const ROOM: f64 = 0.01;
 /// Way from an apex to the end of the patch, as a share of the rulings: what is missing is a ten-thousandth of a millionth of
 /// the area, and its edge is long enough for files.
 const BESIDE_APEX: f64 = 1e-5;
-/// Rulings looked at.
-const LOOKED_AT: usize = 33;
-/// Points of a side at first.
-const WANTED: usize = 48;
+/// Places that are looked at along sides at first, across rulings and along them.
+const PLACES: usize = 48;
 /// Gauss–Newton steps to a place on the patch.
 const STEPS: usize = 12;
 /// Share of the squared measure of the parameters' net below which it has no place across the rulings, as at an apex.
@@ -38,8 +36,6 @@ const ONE_PLACE: f64 = 1e-4;
 const ROUNDING: f64 = 1e-12;
 /// Share of the rulings by which places where the file's parameter is noted keep from both ends.
 const CLEAR: f64 = 1e-3;
-/// Places on the rulings where the file's parameter is noted.
-const NOTED: usize = 16;
 
 /// A face on its own rulings.
 pub(crate) struct OnRulings<'a> {
@@ -201,7 +197,7 @@ impl<'a> OnRulings<'a> {
         };
         let on = |run: usize, s: f64| self.on(run, s);
         let waypoint = |s: f64| Waypoint { s, place: side.at(s, &on), allowance: tolerance };
-        let points = (0..=WANTED).map(|k| waypoint(k as f64 / WANTED as f64)).collect();
+        let points = (0..=PLACES).map(|k| waypoint(k as f64 / PLACES as f64)).collect();
         let between = |a: &Waypoint, b: &Waypoint| {
             let s = 0.5 * (a.s + b.s);
             (s > a.s && s < b.s).then(|| waypoint(s))
@@ -228,7 +224,7 @@ impl<'a> OnRulings<'a> {
 
 /// Area that a closed line encloses, signed.
 fn area(line: &[Side], on: &impl Fn(usize, f64) -> [f64; 2]) -> f64 {
-    let places = |s: &Side| (0..WANTED).map(|k| s.at(k as f64 / WANTED as f64, on)).collect::<Vec<_>>();
+    let places = |s: &Side| (0..PLACES).map(|k| s.at(k as f64 / PLACES as f64, on)).collect::<Vec<_>>();
     let p: Vec<[f64; 2]> = line.iter().flat_map(places).collect();
     (0..p.len()).map(|k| (p[k], p[(k + 1) % p.len()])).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
 }
@@ -239,8 +235,8 @@ fn rooms((a, b): (f64, f64), ends: &[Curve<4>; 2], apex: [bool; 2]) -> Option<[f
     if apex == [true, true] {
         return None;
     }
-    let jets: Vec<[[Vec3; 2]; 2]> = (0..LOOKED_AT)
-        .map(|k| a + (b - a) * (k as f64 + 0.5) / LOOKED_AT as f64)
+    let jets: Vec<[[Vec3; 2]; 2]> = (0..PLACES)
+        .map(|k| a + (b - a) * (k as f64 + 0.5) / PLACES as f64)
         .map(|u| {
             [0, 1].map(|side: usize| {
                 let [h, d, _] = ends[side].jet(u);
@@ -276,7 +272,7 @@ fn foot_map(
     let (a, b) = patch.knots_u.domain();
     let middle = 0.5 * (a + b);
     let [p, q] = [0.0, 1.0].map(|r| patch.point(middle, r));
-    let noted = (0..=NOTED).map(|k| reach.0 + (reach.1 - reach.0) * k as f64 / NOTED as f64);
+    let noted = (0..=PLACES).map(|k| reach.0 + (reach.1 - reach.0) * k as f64 / PLACES as f64);
     let share = |v: f64| (surface.point(middle, v) - p).dot(&(q - p)) / (q - p).norm_squared();
     // Beyond the face its rulings go on.
     let mut table = vec![(0.0, along[0])];

@@ -120,11 +120,10 @@ pub fn joint(
     options: &PlanesOptions,
     joint: &JointOptions,
 ) -> Result<Corrected, PlanesError> {
-    // Damping: start, factors after success and failure, and where further failures are hopeless.
+    // Damping: start, factors after success and failure.
     const START: f64 = 1e-4;
     const EASE: f64 = 0.2;
     const STRAIN: f64 = 5.0;
-    const HOPELESS: f64 = 1e8;
     let start = corrected(data, knots, options, joint.corrections)?;
     let roots = checked(data, knots)?;
     let freedoms = freedoms(knots, &options.conditions)?;
@@ -162,9 +161,6 @@ pub fn joint(
             }
         }
         damping *= STRAIN;
-        if damping > HOPELESS {
-            break;
-        }
     }
     drop(objective);
     for (d, &t) in data.iter_mut().zip(&parameters) {

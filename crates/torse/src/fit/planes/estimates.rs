@@ -117,7 +117,6 @@ pub(crate) fn planes_of_smooth_rulings(from: &[Vec3], to: &[Vec3]) -> Result<Vec
 /// See [`EstimateError`].
 pub(crate) fn planes_of_noisy_rulings(from: &[Vec3], to: &[Vec3], tolerance: f64) -> Result<Vec<Vec3>, EstimateError> {
     const DEGREE: usize = 3;
-    const EACH: usize = 4;
     // Share of the data's own weight that smoothing has: spans without rulings stay determined, and others do not move.
     const WEAK: f64 = 1e-12;
     let n = from.len();
@@ -150,7 +149,7 @@ pub(crate) fn planes_of_noisy_rulings(from: &[Vec3], to: &[Vec3], tolerance: f64
             let end = |k: usize, p: &Vec3| (Vec3::new(x[k], x[k + 1], x[k + 2]) - p).norm();
             end(0, &from[i]).max(end(3, &to[i]))
         });
-        if off.fold(0.0, f64::max) > tolerance && 2 * spans * EACH <= n {
+        if off.fold(0.0, f64::max) > tolerance && 2 * spans * (DEGREE + 1) <= n {
             spans *= 2;
             continue;
         }

@@ -47,8 +47,6 @@ pub enum FrameError {
 /// # Errors
 /// See [`FrameError`].
 pub fn frame_of_normals(normals: &[Vec3]) -> Result<NormalFrame, FrameError> {
-    // A mean normal shorter than this gives no orientation.
-    const NO_MEAN: f64 = 1e-12;
     let count = normals.len();
     let bad = normals.iter().position(|n| !(n.norm() > 0.0 && n.norm().is_finite()));
     if let Some(index) = if count == 0 { Some(0) } else { bad } {
@@ -60,7 +58,7 @@ pub fn frame_of_normals(normals: &[Vec3]) -> Result<NormalFrame, FrameError> {
     let main = if main.dot(&sum) < 0.0 { -main } else { main };
     let worst = |e: &Vec3| normals.iter().map(|n| e.dot(n) / n.norm()).fold(f64::INFINITY, f64::min);
     let mut axis = main;
-    if worst(&axis) <= STEEPEST || sum.norm() < NO_MEAN {
+    if worst(&axis) <= STEEPEST {
         match cap_axis(normals) {
             Some(e) if worst(&e) > worst(&axis) => axis = e,
             _ => {}
@@ -74,7 +72,8 @@ pub fn frame_of_normals(normals: &[Vec3]) -> Result<NormalFrame, FrameError> {
     let flat: Matrix3<f64> = normals.iter().map(|n| n - axis * n.dot(&axis)).map(|n| n * n.transpose()).sum();
     let spread = main_direction(&flat);
     let spread = spread - axis * spread.dot(&axis);
-    let y = if spread.norm() > NO_MEAN { spread.normalize() } else { axis.cross(&least(&axis)).normalize() };
+    // Normals that are all the same spread in no direction, and least of all along the axis.
+    let y = if spread.norm() > 0.5 { spread.normalize() } else { axis.cross(&least(&axis)).normalize() };
     Ok(NormalFrame { frame: Frame { origin: Vec3::zeros(), x: y.cross(&axis), y, z: axis }, min_cosine })
 }
 

@@ -21,7 +21,7 @@ use std::sync::Arc;
 const FEWEST: f64 = 7.0;
 /// More bands than this are asked for where a strip potential is no good, as around a pole.
 const MOST: f64 = 1000.0;
-/// Rounds of fitting all bands.
+/// Rounds of fitting all bands, at most: numbers of bands may go up and down.
 const ROUNDS: usize = 8;
 /// The same where bands are laid anew whose widths are nearly right.
 const ROUNDS_ANEW: usize = 4;

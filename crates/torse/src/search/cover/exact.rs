@@ -11,12 +11,10 @@ use crate::control::Control;
 use crate::fit::near::exact::{exact, ExactOptions};
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::has_patch;
+use crate::search::apex::SLACK;
 use crate::torse::form::Torse;
 use std::sync::Arc;
 
-/// Share of the tolerance within which parameter lines must be straight and keep their tangent planes, and the torse
-/// through them near: files round.
-const SLACK: f64 = 0.05;
 /// Share of the tolerance below which the torse is not made finer.
 const GOAL: f64 = 5e-3;
 

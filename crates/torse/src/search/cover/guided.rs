@@ -15,6 +15,7 @@
 use super::curve_on_face::{carried_on, CurveError, PanelCurve};
 use super::job::{Job, DISTANCE_SHARE};
 use super::layout::DirectionField;
+use super::march::{TRIALS, UNKNOWN};
 use super::state::{Density, Origin, State};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
@@ -31,8 +32,6 @@ const RULINGS: usize = 81;
 const SPANS: usize = 26;
 /// Share of its parameter range by which the torse reaches beyond the line.
 const REACH: f64 = 0.1;
-/// Trials with shorter and shorter rulings.
-const TRIALS: usize = 7;
 /// Weight of the smoothing (19).
 const SMOOTHING: f64 = 4.0;
 /// Sampled errors up to this share of the allowed distance go to the certificate.
@@ -41,11 +40,11 @@ const HOPEFUL: f64 = 0.995;
 const INTERVALS: f64 = 0.97;
 /// A front whose strips are shorter along their rulings than this share of the intervals is given up.
 const LEAST_SHARE: f64 = 0.2;
-/// Strips of the front from one side of a curve at most.
+/// Strips of the front from one side of a curve at most: they may become narrower without end.
 const MOST_STRIPS: usize = 2000;
 /// Panels along curves may be this multiple of the strips that only run in their direction.
 const MORE: f64 = 1.2;
-/// A strip that covers less than this share of a strip's typical area ends its front.
+/// A strip that covers less than this share of the face ends its front: slivers that rounding leaves.
 const LEAST_AREA: f64 = 1e-9;
 
 /// A line for a strip.
@@ -216,7 +215,7 @@ impl Job<'_> {
                 }
             }
             share *= 0.8;
-            if share < LEAST_SHARE || self.control.stopped() {
+            if self.control.stopped() {
                 break;
             }
         }
@@ -291,7 +290,7 @@ impl Job<'_> {
                 }
                 return Some(Laid { state: trial, borders, labels });
             }
-            let factor = if worst.is_finite() { (0.97 * allowed / worst).sqrt().clamp(0.5, 0.97) } else { 0.6 };
+            let factor = if worst.is_finite() { (0.97 * allowed / worst).sqrt().clamp(0.5, 0.97) } else { UNKNOWN };
             share *= factor;
             if share < least {
                 break;

@@ -1,6 +1,6 @@
 //! What a shop's sheets and material allow, and about how many panels that asks for.
 
-use super::state::State;
+use super::state::{State, SAMPLES};
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 
@@ -66,8 +66,6 @@ fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     [a, b].into_iter().flatten().reduce(f64::min)
 }
 
-/// Samples of curvature.
-const SAMPLES: usize = 400;
 /// Curvatures beyond this multiple of the median are those of a degenerate parametrisation.
 const POLAR: f64 = 1e3;
 

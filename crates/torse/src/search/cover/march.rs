@@ -11,8 +11,8 @@ use crate::spline::field::Field;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 
-/// Width trials for one band.
-const TRIALS: usize = 8;
+/// Width trials for one band, or for one strip beside a curve.
+pub(super) const TRIALS: usize = 8;
 /// A band is wide enough when its error reaches this share of the tolerance.
 const WIDE: f64 = 0.86;
 /// Narrowest band, as a share of the theoretical width, before its region is bisected instead.
@@ -29,10 +29,11 @@ const BEHIND: f64 = 3.0;
 const SKIPS: usize = 3;
 /// Widths are sought until the widest good one is that near to the narrowest bad one.
 const CLOSE: f64 = 1.02;
-/// Factor on the width where it is not known how much too wide a band is.
-const UNKNOWN: f64 = 0.6;
-/// A rest of less than this share of a band is tried together with it.
-const REST: f64 = 0.15;
+/// Factor on the width where it is not known how much too wide a band is, or a strip beside a curve.
+pub(super) const UNKNOWN: f64 = 0.6;
+/// A rest of less than this share of a band is tried together with it; of two bands that are joined afterwards, one that is smaller
+/// than this share of the other is such a rest, and worth a fit along the centre line of the other.
+pub(super) const REST: f64 = 0.15;
 
 /// Depth of the recursion down to which marches start from both ends: deeper, trying both would double the work at
 /// every level.
@@ -50,8 +51,10 @@ struct Lay<'f> {
     depth: usize,
 }
 
-/// Covers that compete are told apart by their ranks, all below this.
-const RANKS: usize = 64;
+/// Directions of the sweep.
+pub(super) const SWEEP_DIRECTIONS: usize = 8;
+/// Covers that compete are told apart by their ranks, all below this: a direction each, and one for what comes after all of them.
+const RANKS: usize = SWEEP_DIRECTIONS + 1;
 
 /// Order of competing covers: fewer panels first, then the lower rank.
 pub(super) fn key(panels: usize, rank: usize) -> usize {

@@ -1,6 +1,7 @@
 //! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
 
 use super::job::Job;
+use super::march::REST;
 use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
 use crate::num::hash::{HashMap, HashSet};
@@ -9,9 +10,6 @@ use std::sync::Arc;
 /// Directions and bisection steps of the search for two panels.
 const TWO_DIRECTIONS: usize = 4;
 const TWO_STEPS: usize = 4;
-
-/// Bands smaller than this share of a neighbour are remainders, worth a fit along the neighbour's centre line.
-const REMAINDER: f64 = 0.15;
 
 impl State {
     /// The same state with the region `label` given to `to`.
@@ -144,7 +142,7 @@ impl Job<'_> {
                     return state;
                 }
                 let mut trial = state.joined(b, a);
-                let small = areas[&a].min(areas[&b]) < REMAINDER * areas[&a].max(areas[&b]);
+                let small = areas[&a].min(areas[&b]) < REST * areas[&a].max(areas[&b]);
                 let line = small.then(|| self.common_line(&state, &trial, [a, b])).flatten();
                 let t = self.single(&trial, a, line.as_deref());
                 if let Some(fit) = t.accepted {

@@ -52,6 +52,7 @@ use layout::DirectionField;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
+use march::SWEEP_DIRECTIONS;
 pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
 pub(crate) use recount::Recount;
@@ -63,16 +64,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 use umbilic::Star;
 
-/// Strip potentials of a face along which bands are laid.
+/// Functions of a face along whose levels bands are laid: so many strip potentials, and so many straight directions all at once.
 const CANDIDATES: usize = 2;
-/// Depth of the recursion at which only facets are tried.
+/// Depth of the recursion at which only facets are tried, so that it ends.
 const FACET_DEPTH: usize = 14;
 /// Strip potentials are given up for parts when their merit exceeds this multiple of their range (C4).
 const POOR: f64 = 1.5;
 /// Covers with up to this multiple of the predicted count, and one panel more, count as near theory.
 const PROMISING: f64 = 1.25;
-/// Straight directions in which bands are laid all at once.
-const STRAIGHT: usize = 2;
 /// Depth of the recursion down to which sweeps are tried.
 const SWEEP_DEPTH: usize = 2;
 /// Against covers of more panels than this, a direction of the sweep …
@@ -89,8 +88,6 @@ const UNLIMITED: usize = usize::MAX / 2;
 const BEATEN: f64 = 1.15;
 /// Parts must promise less than this multiple of the panels that they may have: merits say little where they are poor.
 const HOPED: f64 = 2.0;
-/// Directions of the sweep.
-const SWEEP_DIRECTIONS: usize = 8;
 /// Deep in the recursion only so many are tried, those that promise the fewest bands.
 const FEW_DIRECTIONS: usize = 3;
 /// Two panels are tried when the best single error is below this multiple of the tolerance.
@@ -399,7 +396,7 @@ impl<'a> Job<'a> {
     ) -> Option<(State, f64)> {
         directions
             .iter()
-            .take(STRAIGHT)
+            .take(CANDIDATES)
             .filter(|s| s.promised < curved && s.promised <= budget as f64)
             .find_map(|s| self.equidistribute(state, label, &s.field, (s.promised, &s.density), budget))
     }

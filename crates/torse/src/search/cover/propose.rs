@@ -200,8 +200,8 @@ impl Job<'_> {
         let usual = PrimalOptions { bend_radius, control: control(), ..PrimalOptions::new(keen) };
         let wanted = centre
             .filter(|line| has_inflection(line))
-            .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, state.bbox(label).diagonal()));
-        if let Some(fit) = primal(&samples, &usual.with_spans(wanted.clamp(usual.profile_spans, MOST_SPANS))) {
+            .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, state.bbox(label).diagonal(), MOST_SPANS));
+        if let Some(fit) = primal(&samples, &usual.with_spans(wanted.max(usual.profile_spans))) {
             best = best.or_better(assess(fit));
         }
         if best.accepted.is_none() {

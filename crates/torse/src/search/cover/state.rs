@@ -3,6 +3,7 @@
 use super::seam_line::SeamLine;
 use crate::brep::face::Face;
 use crate::fit::near::samples::{Fit, Sample};
+use crate::fit::near::tangent_envelope::ROUNDING;
 use crate::fit::strip_potential::Forms;
 use crate::geom::{BBox, Vec3};
 use crate::num::hash::HashSet;
@@ -66,8 +67,8 @@ pub struct State {
     pub(in crate::search) touched: bool,
 }
 
-/// Share of the median speed below which a parametrisation counts as collapsed (pole).
-const COLLAPSED: f64 = 1e-7;
+/// Samples of curvature of a face: quantiles and means of it hardly depend on how many there are.
+pub(super) const SAMPLES: usize = 400;
 
 /// Cells per direction of the first triangulation, by the longer side; enough for some twenty strips.
 const CELLS: usize = 64;
@@ -187,13 +188,12 @@ impl State {
         };
         // Regions of fewer than about five cells across have more vertices than this share of their triangles.
         const THIN: f64 = 0.6;
-        // Samples that a region has at least, and the finest division of its triangles.
+        // Samples that a region has at least.
         const LEAST: usize = 300;
-        const FINEST: usize = 6;
         let region = self.partition.region(label);
         let mut out = self.samples(label);
         let thin = out.len() as f64 > THIN * region.len() as f64;
-        let enough = (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST);
+        let enough = (1..LEAST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(1);
         let parts = if thin { enough.max(across) } else { enough } * finer;
         let mut add = |u: f64, v: f64| {
             let jet = self.surface.jet(u, v);
@@ -269,7 +269,7 @@ impl State {
 fn unit_normal(jet: &SurfaceJet) -> Vec3 {
     let n = jet.normal();
     let size = jet.du.norm() * jet.dv.norm();
-    if n.norm() > COLLAPSED * size && size > 0.0 {
+    if n.norm() > ROUNDING * size && size > 0.0 {
         n.normalize()
     } else {
         Vec3::zeros()

@@ -8,14 +8,10 @@
 //! Cuts are straight in the parameters, in the directions that lines of curvature have near the flat point; farther out
 //! they only come near these. Of several flat points the flattest is served; the others are found in the parts.
 
-use super::state::State;
+use super::state::{State, SAMPLES};
 use crate::spline::surface::Surface;
 use std::f64::consts::{PI, TAU};
 
-/// Points flatter than this share of the 90 % quantile of curvature may be flat points.
-const FLAT: f64 = 0.2;
-/// Vertices that are looked at.
-const TRIED: usize = 2000;
 /// Radius of the circle around a flat point on which directions are followed, as a share of the region's size.
 const RADIUS: f64 = 0.08;
 /// Places on that circle.
@@ -64,13 +60,9 @@ impl State {
     /// saddle.
     pub(super) fn stars(&self, label: u32) -> Vec<Star> {
         let bend = |k: [f64; 2]| k[0].abs().max(k[1].abs());
-        let mut flat: Vec<(f64, [f64; 2])> =
-            self.forms(label, TRIED).iter().map(|f| (bend(f.principal()), f.uv)).filter(|f| f.0.is_finite()).collect();
-        flat.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (Some(least), Some(high)) = (flat.first(), flat.get(flat.len() * 9 / 10)) else { return Vec::new() };
-        if least.0 > FLAT * high.0 {
-            return Vec::new();
-        }
+        let forms = self.forms(label, SAMPLES);
+        let bent = forms.iter().map(|f| (bend(f.principal()), f.uv)).filter(|f| f.0.is_finite());
+        let Some(least) = bent.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
         let size = self.bbox(label).diagonal();
         let centre = flattest(&self.surface, least.1, size);
         let Some((saddle, circle)) = around(&self.surface, centre, RADIUS * size) else { return Vec::new() };
@@ -112,6 +104,7 @@ fn frame(surface: &Surface, uv: [f64; 2]) -> Option<[[f64; 2]; 2]> {
 
 /// The flattest point near another one: a search with shrinking steps.
 fn flattest(surface: &Surface, start: [f64; 2], size: f64) -> [f64; 2] {
+    // Steps, most of them halvings: what is left of the first one then is rounding.
     const STEPS: usize = 40;
     let curvature = |p: [f64; 2]| {
         let bends = frame(surface, p).and_then(|f| bends(surface, p, f));

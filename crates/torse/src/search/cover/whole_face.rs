@@ -1,16 +1,13 @@
 //! What is asked of all regions of a face at once, and cuts through all of them: docs/algorithms/cover.md.
 
 use super::halve::axes_of;
-use super::state::State;
+use super::state::{State, SAMPLES};
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::geom::Vec3;
 use crate::patchwork::triangulate::TriangulateError;
 use std::sync::Arc;
-
-/// Curvature (1/mm) that planes count as having: their strips are wider than anything, but not endless.
-const FLATTEST: f64 = 1e-300;
 
 impl State {
     /// A face in its connected parts, triangulated finely enough for strips of a tolerance (mm).
@@ -30,17 +27,17 @@ impl State {
         self.partition.distinct_labels().iter().all(|l| self.panels.contains_key(l))
     }
 
-    /// Width (mm) of a strip at the 90 % quantile of curvature (B2).
+    /// Width (mm) of a strip at the 90 % quantile of curvature (B2), endless on planes.
     fn typical_strip(&self, tolerance: f64) -> f64 {
         let mut k: Vec<f64> = self
-            .forms(0, 400)
+            .forms(0, SAMPLES)
             .iter()
             .map(|f| f.principal().map(f64::abs).into_iter().fold(0.0, f64::max))
             .filter(|k| k.is_finite())
             .collect();
         k.sort_by(f64::total_cmp);
         let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
-        4.0 * (tolerance / high.max(FLATTEST)).sqrt()
+        4.0 * (tolerance / high).sqrt()
     }
 
     /// Principal axes of a face's vertices, longest first.

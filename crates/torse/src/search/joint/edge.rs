@@ -42,7 +42,7 @@ const NEAR: f64 = 0.25;
 const FIT: (f64, usize) = (1e-8, 480);
 /// Reference points per span of a strip.
 const PER_SPAN: usize = 4;
-/// Rounds of making finer strips equally high.
+/// Rounds of making finer strips equally high, and of a place between them.
 const ROUNDS: usize = 3;
 /// Prices of changes there, in turn until no foot is lost, and what damps strips as a multiple of them.
 const PRICES: ([f64; 3], f64) = ([1e-3, 3e-2, 1.0], 10.0);
@@ -447,7 +447,6 @@ impl Network<'_> {
         columns: &Columns,
         rows: &mut Runs,
     ) -> Option<(f64, f64)> {
-        const ROUNDS: usize = 3;
         let members = line.strips.map(|k| &self.members[k]);
         let mut z = *place;
         for round in 0..ROUNDS {

@@ -1,6 +1,7 @@
 //! Strips as envelopes of planes; see [`super::strip`].
 
 use super::form::{Band, Foot, Form, Tie};
+use super::profile::PER_SPAN;
 use crate::geom::Vec3;
 use crate::num::runs::Runs;
 use crate::spline::curve::Curve;
@@ -8,9 +9,6 @@ use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use crate::spline::pieces::Pieces;
 use crate::torse::form::{DualTorse, Torse};
-
-/// Samples of a spline per span of another that takes its place.
-const PER_SPAN: usize = 8;
 
 /// A strip as the envelope of planes on equal spans.
 #[derive(Clone, Debug)]

@@ -1,6 +1,7 @@
 //! Strips over plane profiles, which may have inflections; see [`super::strip`].
 
 use super::form::{Band, Foot, Form, Tie};
+use crate::fit::near::exact::LEAST_SLANT;
 use crate::geom::{Frame, Vec3};
 use crate::num::runs::Runs;
 use crate::spline::curve::Curve;
@@ -10,11 +11,9 @@ use crate::spline::pieces::Pieces;
 use crate::torse::form::{DualTorse, PrimalTorse, Torse};
 
 /// Samples of a spline per span of another that takes its place.
-const PER_SPAN: usize = 8;
+pub(super) const PER_SPAN: usize = 8;
 /// Spans of the profile per span of the rulings' slope.
 const SLOPE: usize = 2;
-/// Least cosine between rulings and the normal of the profile's plane.
-const LEAST_SLANT: f64 = 0.4;
 /// Nodes and weights of the quadrature that is exact up to degree five.
 const NODES: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];

@@ -16,7 +16,7 @@ const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
 const WEIGHTS: [f64; 4] = [20.0, 80.0, 320.0, 1200.0];
 /// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
 const STEPS: usize = 8;
-/// Trials of a step.
+/// Trials of a step, more and more damped, before parts of one are tried.
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
 const ENOUGH: (f64, f64, usize) = (0.93, 0.02, 2);

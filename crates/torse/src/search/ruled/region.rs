@@ -93,9 +93,6 @@ const MARGIN: f64 = 0.1;
 const CELLS: [f64; 2] = [32.0, 150.0];
 /// Share of the tolerance that chords of strip boundaries may keep from these.
 const CHORDS: f64 = 0.03;
-/// Rulings of this share of a face's size keep to half the tolerance where its curvature is positive and it counts: what
-/// bends more would need strips with kinks between them.
-const SHORT: f64 = 0.5;
 /// Pieces below this share of the face's area are left out.
 const SLIVER: f64 = 1e-4;
 /// Curvature times size at which the map is half way to a full colour.
@@ -120,7 +117,9 @@ pub(super) fn shade(c: &Curvatures, size: f64) -> f64 {
 /// The pieces of a face that can have strips, and what cannot, with its area in mm².
 pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<Piece>, Vec<(LeftOut, f64)>) {
     let size = face.surface.bbox().diagonal();
-    let allowed = 8.0 * 0.5 * tolerance / (SHORT * size).powi(2);
+    // Rulings of half the face's size keep to half the tolerance up to this curvature, where it is positive: what bends more
+    // would need strips with kinks between them.
+    let allowed = 16.0 * tolerance / size.powi(2);
     let bend =
         |p: [f64; 2]| Curvatures::of(&face.surface.jet(p[0], p[1])).map_or(allowed, |c| c.least_bend() - allowed);
     let domed = 1;

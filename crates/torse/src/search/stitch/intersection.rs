@@ -33,9 +33,9 @@ const LEAST_ANGLE: f64 = 0.002;
 /// Places on every edge of a border at which its curve is taken at least, and on all edges.
 const PLACES: (usize, usize) = (6, 1500);
 /// Distance between the edge in space and the intersection as a share of its length, wanted and allowed.
-const EDGE: (f64, f64) = (1e-8, 1e-6);
+pub(super) const EDGE: (f64, f64) = (1e-8, 1e-6);
 /// Degree of edges, and spans at most.
-const CURVE: (usize, usize) = (5, 480);
+pub(super) const CURVE: (usize, usize) = (5, 480);
 
 /// Labels of two neighbours, in order.
 pub(crate) fn pair([a, b]: [u32; 2]) -> [u32; 2] {
@@ -58,6 +58,8 @@ struct KnownEdge {
     places: Vec<(f64, Vec3)>,
 }
 
+/// Newton steps to a place on an edge, under a point, or between heights: some more than are taken.
+const STEPS: usize = 20;
 /// Rounds of moving a vertex, the shares of the way that are tried in each, and what a triangle beside it keeps of its area.
 const VERTEX_ROUNDS: usize = 20;
 /// See [`VERTEX_ROUNDS`].
@@ -80,7 +82,6 @@ impl KnownEdge {
     /// The parameter of the point that lies beside `x`, not along the edge, as seen along the unit normal `n`, and how far
     /// (mm) `x` is to the left of it.
     fn beside(&self, x: &Vec3, n: &Vec3) -> Option<(f64, f64)> {
-        const STEPS: usize = 30;
         const SETTLED: f64 = 1e-15;
         let off = |p: &(f64, Vec3)| (p.1 - x).norm_squared();
         let mut s = self.places.iter().min_by(|p, q| off(p).total_cmp(&off(q)))?.0;
@@ -196,7 +197,6 @@ impl<'a> Intersections<'a> {
 
     /// Parameters of the place on the face whose normal goes through a point.
     fn under(&self, x: &Vec3, mut p: [f64; 2], borders: &Borders) -> Option<[f64; 2]> {
-        const STEPS: usize = 20;
         for _ in 0..STEPS {
             let j = self.face.surface.jet(p[0], p[1]);
             let n = borders.normal(p).try_normalize(0.0)?;
@@ -357,7 +357,6 @@ impl Pair<'_> {
 
     /// The place near `p` where both heights are equal, by Newton steps; fixed parameters stay.
     fn onto(&self, mut p: [f64; 2], fixed: [bool; 2]) -> Option<[f64; 2]> {
-        const STEPS: usize = 12;
         const SETTLED: f64 = 1e-13;
         let (du, dv) = self.face.surface.domain();
         let size = [du, dv].map(|(lo, hi)| hi - lo);

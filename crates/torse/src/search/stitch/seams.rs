@@ -110,7 +110,7 @@ fn held_by_border(face: &Face, partition: &Partition, of: &BTreeSet<u32>) -> Has
     out
 }
 
-/// Times that vertices try to settle.
+/// Times that vertices try to settle, at most: some have no room.
 const SETTLINGS: usize = 8;
 /// Shares of the way that they try each time.
 const SETTLING_SHARES: [f64; 3] = [1.0, 0.5, 0.2];

@@ -24,15 +24,14 @@ pub(crate) struct PlaneOutline {
 const SPAN_CORNERS: usize = 16;
 /// Corners to a segment on long chords.
 const SEGMENT_CORNERS: usize = 12;
-/// A boundary that strays from a rectangle by less than this share of it follows it; it is paid for.
-const ASTRAY: f64 = 1e-9;
+/// Share of an extent below which a length is none: a boundary that strays so little from a rectangle follows it, which is paid
+/// for, an edge so near to the last ruling runs along it, and a border that is so short against the rulings is a point.
+pub(super) const NOTHING: f64 = 1e-9;
 /// Share of a side within which a line meets its corner: beside it, it would make a chord without length.
 const AT_CORNER: f64 = 1e-6;
 
 /// Places along a border at which it is looked whether that is a point.
 const TIP_PLACES: usize = 16;
-/// Extent of a border, as a share of the rulings, below which it is a point.
-const TIP: f64 = 1e-9;
 
 impl PlaneOutline {
     /// The trim of a face on its surface, whose parameters may be exchanged. `None` for a loop without corners.
@@ -89,7 +88,7 @@ impl PlaneOutline {
         let at = |k: usize, v: f64| self.surface.point(u0 + (u1 - u0) * k as f64 / TIP_PLACES as f64, v);
         let length = (0..=TIP_PLACES).map(|k| (at(k, v1) - at(k, v0)).norm()).fold(0.0, f64::max);
         let wide = |v: f64| (1..=TIP_PLACES).map(|k| (at(k, v) - at(0, v)).norm()).fold(0.0, f64::max);
-        [v0, v1].into_iter().find(|v| wide(*v) <= TIP * length).map(|v| at(0, v))
+        [v0, v1].into_iter().find(|v| wide(*v) <= NOTHING * length).map(|v| at(0, v))
     }
 
     /// How far the boundary strays from that of the rectangle between its least and greatest parameters, as a share of
@@ -105,7 +104,7 @@ impl PlaneOutline {
             let side = (0..4).map(|k| set.iter().map(|p| off(p)[k]).fold(0.0, f64::max)).fold(f64::INFINITY, f64::min);
             worst = worst.max(side);
         }
-        (self.hulls.len() == 1 && worst <= ASTRAY).then_some(worst)
+        (self.hulls.len() == 1 && worst <= NOTHING).then_some(worst)
     }
 
     /// Whether the region is the whole rectangle between its least and greatest parameters.

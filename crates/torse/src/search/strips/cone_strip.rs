@@ -4,7 +4,7 @@
 //! though the region does not. The ends of the rulings then follow the outline: v is a polynomial of u at either side,
 //! so that the strip stays smooth and remains one chain \[LP98\].
 
-use super::cone_outline::PlaneOutline;
+use super::cone_outline::{PlaneOutline, NOTHING};
 use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::num::linear_program::LinearProgram;
@@ -29,8 +29,6 @@ const TESTED: usize = 257;
 const MARGINS: [f64; 3] = [0.05, 0.02, 0.005];
 /// Room beyond a ruling that an outline only touches, as a share of its extent across the rulings.
 const END_ROOM: f64 = 0.01;
-/// Share of the extent within which an edge of the outline runs along its last ruling.
-const ALONG: f64 = 1e-9;
 /// Greatest degree of the ends in u.
 const MOST_DEGREE: usize = 5;
 /// Places on a chord of the outline at which the ends are kept outside.
@@ -56,7 +54,7 @@ fn with_ends(outline: &PlaneOutline) -> [f64; 4] {
     let [u0, u1, v0, v1] = outline.bounds();
     let room = END_ROOM * (u1 - u0);
     let along = |u: f64| {
-        let on = |p: &[f64; 2]| (p[0] - u).abs() <= ALONG * (u1 - u0);
+        let on = |p: &[f64; 2]| (p[0] - u).abs() <= NOTHING * (u1 - u0);
         outline.loops.iter().any(|l| (0..l.len()).any(|i| on(&l[i].0) && on(&l[(i + 1) % l.len()].0)))
     };
     let open = |u: f64| if along(u) { 0.0 } else { room };

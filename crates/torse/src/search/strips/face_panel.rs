@@ -18,8 +18,6 @@ use std::sync::Arc;
 
 /// Turn of the normal (rad) from line to line of the triangles, about 3°.
 const TURN: f64 = 0.05;
-/// Lines across one span between knots at most.
-const MOST_LINES: usize = 128;
 /// Share of the face's extent within which parameter lines must be straight.
 const STRAIGHT: f64 = 1e-6;
 /// Share of the face's extent that trims may be off on the panel and in space.
@@ -91,7 +89,8 @@ fn triangles(face: &Face) -> Option<(State, Rulings<'_>, f64)> {
             _ => 0.0,
         };
         whole += turn;
-        let count = ((turn / TURN).ceil() as usize).clamp(1, MOST_LINES);
+        // Two angles: no more than a whole turn.
+        let count = ((turn / TURN).ceil() as usize).max(1);
         across.extend((0..count).map(|k| w[0] + (w[1] - w[0]) * k as f64 / count as f64));
     }
     across.push(rulings.range().1);

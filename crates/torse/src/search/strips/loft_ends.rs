@@ -78,16 +78,14 @@ pub enum Leads {
     OtherRail,
 }
 
-/// Rests of rails, in parameters, that make a cone of their own.
-const CREASE: f64 = 1e-6;
+/// What rounding leaves of a piece, in its parameter: no cone of its own, as a fan of nanometres bends about nothing, and no step.
+const REST: f64 = 1e-7;
 /// Extension of rails beyond each end, as a share of their length.
 const EXTENSION: f64 = 0.5;
 /// Turn (rad) of an extension at most: beyond a quarter a circle leads back.
 const TURN: f64 = 1.2;
 /// Turn (rad) of a whole extension below which it is straight.
 const STRAIGHT: f64 = 1e-6;
-/// Steps of a track's parameter that are rest.
-const STILL: f64 = 1e-9;
 
 /// The rail with a piece beyond both ends; closed rails stay as they are.
 pub(crate) fn extended(rail: &Rail, how: Extension) -> Rail {
@@ -132,7 +130,7 @@ fn without_idle_ends(stations: &mut Vec<[f64; 2]>, open: [(bool, f64); 2]) {
         (0..2).all(|d| {
             let (extends, end) = open[d];
             let inside = |x: f64| if extends { x.clamp(1.0, end - 1.0) } else { x };
-            inside(q[d]) - inside(p[d]) <= STILL
+            inside(q[d]) - inside(p[d]) <= REST
         })
     };
     let first = stations.windows(2).position(|w| !idle(&w[0], &w[1]));
@@ -151,10 +149,10 @@ pub(crate) fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
             // One rail rests at its end while the other is used up.
             let (first, last) = (out.stations[0], out.stations[out.stations.len() - 1]);
             // Cones over the rests of both rails have different tangent planes where they meet.
-            if first[0] > CREASE && first[1] > CREASE && !a.closed && !b.closed {
+            if first[0] > REST && first[1] > REST && !a.closed && !b.closed {
                 notes.push(EndNote::BothRest { at_end: false });
             }
-            if last[0] < ta - CREASE && last[1] < tb - CREASE && !a.closed && !b.closed {
+            if last[0] < ta - REST && last[1] < tb - REST && !a.closed && !b.closed {
                 notes.push(EndNote::BothRest { at_end: true });
             }
             for start in corner_stations(first[0], 0.0, false).into_iter().filter(|_| !a.closed) {
@@ -190,8 +188,6 @@ pub(crate) fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
 
 /// Stations from `from` to `to`, ends of segments included, `from` not.
 fn corner_stations(from: f64, to: f64, upwards: bool) -> Vec<f64> {
-    // What rounding leaves of a piece gets no cone of its own: a fan of nanometres bends about nothing.
-    const REST: f64 = 1e-7;
     let mut out = Vec::new();
     let mut x = from;
     while if upwards { x < to - REST } else { x > to + REST } {
@@ -238,7 +234,7 @@ pub(crate) fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
     // Whether an extension was used up.
     let spent = [(0, a), (1, b)]
         .iter()
-        .any(|(d, rail)| !rail.closed && (first[*d] <= STILL || last[*d] >= Track::new(rail).end() - STILL));
+        .any(|(d, rail)| !rail.closed && (first[*d] <= REST || last[*d] >= Track::new(rail).end() - REST));
     for (d, rail) in [(0, a), (1, b)] {
         if rail.closed {
             continue;

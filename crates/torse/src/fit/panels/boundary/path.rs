@@ -20,6 +20,12 @@ const SHARED: (f64, f64) = (0.02, 3e-8);
 /// Share of the bend of the border polyline that a trimming curve may smooth over: the polyline's own chords are
 /// off a smooth border by a quarter of the bend.
 const SMOOTHED: f64 = 0.5;
+
+/// How far (mm) a trimming curve may stray from a border polyline that bends by `bend`.
+pub(super) fn smoothed(bend: f64, trim_tolerance: f64) -> f64 {
+    (SMOOTHED * bend).clamp(trim_tolerance, KINKED * trim_tolerance)
+}
+
 /// What a run aims at.
 pub(super) enum Aim<'a> {
     /// The feet of the border's points.
@@ -114,7 +120,7 @@ impl Path<'_> {
         if let Aim::Edge(_, length) = self.aim {
             return (SHARED.0 * self.options.trim_tolerance).min(SHARED.1 * length);
         }
-        (SMOOTHED * bend).clamp(self.options.trim_tolerance, KINKED * self.options.trim_tolerance)
+        smoothed(bend, self.options.trim_tolerance)
     }
 
     /// How far the border bends away from a smooth one at the `k`-th vertex; its ends are corners anyway.

@@ -2,6 +2,7 @@
 //! curves between them (certificate specification, section 5).
 
 use super::borders::{Borders, BoundaryError, BoundaryOptions, Stretch};
+use super::path::smoothed;
 use crate::fit::panels::chains::{Chain, Right};
 use crate::fit::panels::trim::{self, Waypoint};
 use crate::fit::ruled::strip_map::RuledStrip;
@@ -30,8 +31,6 @@ const WANTED: usize = 48;
 const ROOM: f64 = 0.01;
 /// Places tried for a first guess, across and along the rulings.
 const GUESSES: [usize; 2] = [24, 4];
-/// Share of the border's bend that a trimming curve may smooth over, and the most of it in trim tolerances.
-const SMOOTHED: (f64, f64) = (0.5, 8.0);
 /// Share of a strip's image that its border may miss: the proof says what that costs.
 const MISSED: f64 = 0.05;
 /// Newton steps for a place on a boundary curve.
@@ -210,10 +209,9 @@ impl RuledPath<'_> {
                 known
             }
         };
-        let allowance = |bend: f64| (SMOOTHED.0 * bend).clamp(tolerance, SMOOTHED.1 * tolerance);
         let mut out = Vec::with_capacity((inner + 1) * edges + 1);
         for k in 0..edges {
-            out.push(Waypoint { s: parameters[k], place: ends[k], allowance: allowance(bend(k)) });
+            out.push(Waypoint { s: parameters[k], place: ends[k], allowance: smoothed(bend(k), tolerance) });
             let (p, q) = (at(k), at(k + 1));
             for i in 1..=inner {
                 let l = i as f64 / (inner + 1) as f64;
@@ -225,7 +223,7 @@ impl RuledPath<'_> {
                     None => place_of(self.map, uv, Some(guess))?,
                 };
                 let s = between(parameters[k], parameters[k + 1]);
-                out.push(Waypoint { s, place, allowance: allowance(bend(k).max(bend(k + 1))) });
+                out.push(Waypoint { s, place, allowance: smoothed(bend(k).max(bend(k + 1)), tolerance) });
             }
         }
         out.push(Waypoint { s: parameters[edges], place: ends[edges], allowance: tolerance });

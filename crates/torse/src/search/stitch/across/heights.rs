@@ -4,14 +4,12 @@
 //! `√(a² + b² − 2ab cos κ)/sin κ` away: for heights up to f at most `f/sin κ` or, if that is more, `f/cos(κ/2)` where both have
 //! one sign, and `f/sin(κ/2)` where they have not.
 
-use super::places::{Common, Ground};
+use super::places::{Common, Ground, FINE};
 use super::vertices::Torses;
 use crate::geom::Vec3;
 use crate::search::joint::Meeting;
 use nalgebra::Matrix3;
 
-/// Parts of each edge of a border at whose ends heights are looked at.
-const PARTS: usize = 4;
 /// Share of the tolerance that the intersection may be away: a proof needs a little.
 const AWAY: f64 = 0.97;
 /// Share of all products of heights that have one sign along an edge where heights of that sign are expected.
@@ -32,9 +30,9 @@ struct Along {
 impl Along {
     fn of(of: &Common, grounds: &[Ground]) -> Option<Self> {
         let [a, b] = [0, 1].map(|k: usize| &grounds[of.faces[k]]);
-        let points = a.places(&of.chains[0].vertices, PARTS);
-        let others = b.places(&of.chains[1].vertices, PARTS);
-        let normals = [a.normals(&of.chains[0].vertices, PARTS), b.normals(&of.chains[1].vertices, PARTS)];
+        let points = a.places(&of.chains[0].vertices, FINE);
+        let others = b.places(&of.chains[1].vertices, FINE);
+        let normals = [a.normals(&of.chains[0].vertices, FINE), b.normals(&of.chains[1].vertices, FINE)];
         let mut out = Self { places: Vec::new(), normals: Vec::new() };
         for (x, n) in points.iter().zip(&normals[0]) {
             let far = |i: &usize| (others[*i] - x).norm_squared();

@@ -4,6 +4,7 @@
 //! square to the edge. Where tangent planes nearly agree the steps are damped. Nothing is judged here.
 
 use crate::geom::Vec3;
+use crate::search::stitch::intersection::{CURVE, EDGE};
 use crate::spline::curve::Curve;
 use crate::spline::lsq;
 use crate::torse::form::Torse;
@@ -23,11 +24,6 @@ pub(super) const HARDLY: (f64, f64) = (1e-3, 5e-7);
 const BEYOND: f64 = 0.1;
 /// Places on an edge of a border, and on the whole border, at least.
 const PLACES: (usize, usize) = (6, 600);
-/// Distance between curve and intersection as a share of its length, wanted and allowed; degree and spans at most: as for seams
-/// inside faces.
-const EDGE: (f64, f64) = (1e-8, 1e-6);
-/// See [`EDGE`].
-const CURVE: (usize, usize) = (5, 480);
 /// Ends of a curve are led to their vertices over this multiple of the way that they are off along it.
 const FADE: f64 = 8.0;
 

@@ -13,8 +13,8 @@ const SAME: f64 = 0.25;
 /// Their ends are one within this share of the tolerance: where seams of both faces end nearer to each other than that, panels
 /// have no common point.
 const ONE_END: f64 = 0.1;
-/// Parts of each edge of a border where it is compared with others.
-const FINE: usize = 4;
+/// Parts of each edge of a border where it is compared with others, and at whose ends heights are looked at.
+pub(super) const FINE: usize = 4;
 /// Where a vertex is this near (share of the tolerance) to where one is wanted it does.
 const AT_VERTEX: f64 = 1e-3;
 
