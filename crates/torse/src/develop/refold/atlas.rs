@@ -6,7 +6,7 @@
 //! outline, last by the corners, which are exact images.
 
 use super::align::{fitted, settled, Moments};
-use super::drawn::{area, bounds, distance, inside, FlatPart};
+use super::drawn::{area, bounds, distance, inside, sides, FlatPart};
 use crate::brep::body::{oriented, Body};
 use crate::brep::face::Face;
 use crate::brep::project::refine;
@@ -193,10 +193,10 @@ const FOUND: f64 = 1e-13;
 const BESIDE_TIP: f64 = 1e-4;
 /// Ratio of the moments of inertia from which on a part has a direction.
 const LONG: f64 = 1.2;
-/// Corners that tell how an outline lies, and points of it at most where there are fewer.
+/// Corners that tell how an outline lies, and points of it where there are fewer.
 const ENOUGH_JOINTS: usize = 12;
 /// See [`ENOUGH_JOINTS`].
-const MOST_POINTS: usize = 300;
+const POINTS: usize = 300;
 /// Directions that are tried for parts without one.
 const DIRECTIONS: usize = 48;
 /// Steps that bring an outline onto another, for a first look and at most.
@@ -209,6 +209,23 @@ const MOST_WAYS: usize = 8;
 const ONE_WAY: f64 = 0.999_85;
 /// Candidates whose outlines fit so much worse than the best are no candidates.
 const AS_GOOD: f64 = 3.0;
+
+/// Points of a closed polygon at equal ways (mm) from each other: straight sides of a slit count as much as arcs.
+fn at_ways(polygon: &[Vec2], way: f64) -> Vec<Vec2> {
+    let mut out = Vec::new();
+    // Way from the last point to the corner.
+    let mut gone = way;
+    for (p, q) in (0..polygon.len()).map(|k| (polygon[k], polygon[(k + 1) % polygon.len()])) {
+        let length = (q - p).norm();
+        let mut at = way - gone;
+        while at < length {
+            out.push(p + (q - p) * (at / length));
+            at += way;
+        }
+        gone = length - (at - way);
+    }
+    out
+}
 
 /// By how much places may lie beyond a patch, see [`EDGE`].
 fn slack(surface: &Surface) -> [[f64; 2]; 2] {
@@ -597,12 +614,13 @@ impl Atlas {
         // Few corners fit in many ways, and those of parts without a direction too, as on the rim of a cone laid flat: then points of
         // the outline count.
         let few = part.joints.iter().map(Vec::len).sum::<usize>() < ENOUGH_JOINTS || there.ratio <= LONG;
-        let every = part.loops.iter().map(Vec::len).sum::<usize>() / MOST_POINTS + 1;
+        let way = sides(&part.loops).map(|(p, q)| (q - p).norm()).sum::<f64>() / POINTS as f64;
         let points: Vec<Vec<Vec2>> = match few {
-            true => part.loops.iter().map(|l| l.iter().copied().step_by(every).collect()).collect(),
+            true => part.loops.iter().map(|l| at_ways(l, way)).collect(),
             false => part.joints.clone(),
         };
-        let mut found: Vec<(f64, Self)> = Vec::new();
+        // How well all points fit, and those that count.
+        let mut found: Vec<(f64, f64, Self)> = Vec::new();
         for mirrored in [false, true] {
             let flip = |p: &Vec2| if mirrored { Vec2::new(-p.x, p.y) } else { *p };
             let loops: Vec<Vec<Vec2>> = own.iter().map(|l| l.iter().map(flip).collect()).collect();
@@ -643,12 +661,13 @@ impl Atlas {
                 }
             }
             for start in ways {
-                let (mut motion, mut off) = settled(&loops, start, &points, ROUNDS);
+                let (mut motion, fit) = settled(&loops, start, &points, ROUNDS);
+                let mut off = fit;
                 if few {
-                    // Corners are exact, other points are on chords.
+                    // Corners are exact, other points are on chords. But corners of a ring are on its circles anywhere.
                     (motion, off) = settled(&loops, motion, &part.joints, ROUNDS);
                 }
-                found.push((off, Self { mirrored, motion, alignment: off, ..self.clone() }));
+                found.push((fit.max(off), off, Self { mirrored, motion, alignment: off, ..self.clone() }));
             }
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -658,7 +677,7 @@ impl Atlas {
         }
         let floor = JOINT * size;
         let mut out: Vec<Self> = Vec::new();
-        for (off, mut a) in found.into_iter().filter(|f| f.0 <= AS_GOOD * best + floor) {
+        for (_, off, mut a) in found.into_iter().filter(|f| f.0 <= AS_GOOD * best + floor) {
             a.snap(part, off + floor);
             let same = |b: &Self| {
                 b.mirrored == a.mirrored

@@ -94,7 +94,9 @@ impl Family {
             _ => [a, b],
         };
         let found = side(reach_near(part, &pose, side(like))?);
-        (found[1] - found[0] > TOUCHES * part.size()).then_some(found)
+        // Outlines may keep a hair from the tip: what a ruling has there is no part of the sheet.
+        let least = if tip.is_some() { TIP } else { TOUCHES };
+        (found[1] - found[0] > least * part.size()).then_some(found)
     }
 
     /// How far the outermost cubics go on: half an interval, or not at all where rulings would cross in the part.

@@ -261,6 +261,37 @@ mod tests {
         }
     }
 
+    /// A sector of far more than half a turn that ends a hair before its tip, which lies inside it: no ruling goes on behind the tip,
+    /// and both sides of the slit come together.
+    #[test]
+    fn a_sector_up_to_its_tip_closes() {
+        let (sector, radius, hair) = (5.4_f64, 200.0, 2e-3);
+        let half_angle = (sector / std::f64::consts::TAU).asin();
+        let turn = std::f64::consts::TAU * half_angle.cos();
+        let at = |a: f64, r: f64| Vec2::new(a.cos(), a.sin()) * r;
+        let mut outline: Vec<Vec2> = (0..=400).map(|k| at(sector * f64::from(k) / 400.0, radius)).collect();
+        outline.extend([at(sector, hair), at(0.0, hair)]);
+        let count = 24;
+        let line = |k: usize| {
+            let s = (k as f64 + 0.5) / count as f64;
+            let bend = Bend::of(BendSense::Up, turn / count as f64, [0.05, radius].map(|r: f64| r * half_angle.tan()));
+            BendLine { ends: [at(sector * s, 0.05), at(sector * s, radius)], bend: Bend { turned: turn * s, ..bend } }
+        };
+        let part = FlatPart {
+            joints: vec![outline.clone()],
+            loops: vec![outline],
+            lines: (0..count).map(line).collect(),
+            ..FlatPart::default()
+        };
+        let back = refold(&part).expect("a part");
+        let place = |a: f64, r: f64| back.frame(&back.locate(&at(a, r)).expect("a place")).0;
+        for r in [50.0, 150.0, radius] {
+            assert!((place(0.0, r) - place(sector, r)).norm() < 1e-4, "{r}");
+            let across = (place(0.0, r) - place(0.5 * sector, r)).norm();
+            assert!((across - 2.0 * r * half_angle.sin()).abs() < 1e-3, "{r}: {across}");
+        }
+    }
+
     #[test]
     fn a_wrong_angle_or_sense_is_another_shape() {
         let (flat, turn) = part(0.0, 12);

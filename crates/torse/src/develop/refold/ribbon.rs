@@ -2,7 +2,7 @@
 
 use crate::geom::{Vec2, Vec3};
 use crate::torse::ribbon::pose::Pose;
-use crate::torse::ribbon::{Ribbon, Spot};
+use crate::torse::ribbon::{Ribbon, Span, Spot};
 
 /// Steps of Newton's method; they converge quadratically from any place inside a span.
 const STEPS: usize = 12;
@@ -22,10 +22,11 @@ impl Ribbon {
         let offer = |best: &mut Option<(f64, Spot)>, k: usize, start: f64, limits: [f64; 2]| {
             let Some(share) = self.share(k, q, start, limits) else { return };
             let spot = self.spot(k, share, q);
-            let [a, b] = self.spans[k].reach;
+            let Span { reach: [a, b], in_plane, .. } = &self.spans[k];
             // Beyond its ends a ribbon is a continuation: what lies on it comes first.
             let outside = (-(k as f64 + share)).max(k as f64 + share - n as f64).max(0.0);
-            let off = (a - spot.v).max(spot.v - b).max(0.0) + outside * self.spans[k].in_plane.across.abs();
+            let speed = (in_plane.across + spot.v * in_plane.spin).abs();
+            let off = (a - spot.v).max(spot.v - b).max(0.0) + outside * speed;
             if best.is_none_or(|(least, _)| off < least) {
                 *best = Some((off, spot));
             }
