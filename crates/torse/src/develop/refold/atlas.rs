@@ -661,12 +661,9 @@ impl Atlas {
                 }
             }
             for start in ways {
-                let (mut motion, fit) = settled(&loops, start, &points, ROUNDS);
-                let mut off = fit;
-                if few {
-                    // Corners are exact, other points are on chords. But corners of a ring are on its circles anywhere.
-                    (motion, off) = settled(&loops, motion, &part.joints, ROUNDS);
-                }
+                let (motion, fit) = settled(&loops, start, &points, ROUNDS);
+                // Corners are exact, other points are on chords. But corners of a ring are on its circles anywhere.
+                let (motion, off) = if few { settled(&loops, motion, &part.joints, ROUNDS) } else { (motion, fit) };
                 found.push((fit.max(off), off, Self { mirrored, motion, alignment: off, ..self.clone() }));
             }
         }
