@@ -67,6 +67,25 @@ fn cones_about_an_axis_meet_in_circles() {
     }
 }
 
+/// Cones that are too large for a sheet are cut along rulings into equal sectors, which meet each other too.
+#[test]
+fn cones_about_an_axis_are_cut_into_sectors_that_fit_the_sheet() {
+    let model = read(include_bytes!("../../../data/dished_end.step")).expect("a model");
+    let mut options = Options::new(10.0);
+    options.limits.sheet = Some([1000.0, 2000.0]);
+    let answer = of_faces(model.faces, model.skipped, &options, &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified);
+    let panels = &answer.patchwork().panels;
+    assert!(panels.len() == 5 && panels.iter().all(|p| p.strip.kind == PanelKind::Cone), "{}", panels.len());
+    assert!(answer.patterns().iter().all(|p| p.length <= 2000.0 && p.width <= 1000.0));
+    let proof = proof(&answer);
+    assert!(
+        proof.seams.iter().all(|s| s.status != SeamStatus::Open) && proof.seam_gap_bound < 0.01,
+        "{:?}",
+        proof.seams
+    );
+}
+
 /// Whoever stops the work while strips are joined keeps the cover, proven as it was.
 #[test]
 fn what_was_certified_stays_so_when_joining_is_stopped() {

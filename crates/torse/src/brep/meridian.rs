@@ -125,6 +125,22 @@ impl<'a> Meridian<'a> {
         self.turn.abs() == TAU
     }
 
+    /// The other parameter at a share of the turn.
+    pub fn around(&self, share: f64) -> f64 {
+        let t = 0.5 * (self.range.0 + self.range.1);
+        // How far it has turned there: from begin to end by less than a whole turn and more than none.
+        let turned = |s: f64| {
+            let q = self.frame.to_local(&self.point(t, s));
+            (q.y.atan2(q.x) * self.turn.signum()).rem_euclid(TAU)
+        };
+        let (mut lo, mut hi) = self.around;
+        for _ in 0..f64::MANTISSA_DIGITS {
+            let middle = 0.5 * (lo + hi);
+            *(if turned(middle) < share * self.turn.abs() { &mut lo } else { &mut hi }) = middle;
+        }
+        0.5 * (lo + hi)
+    }
+
     /// Which parameter of the surface is the curve's: 0 for u, 1 for v.
     pub fn along(&self) -> usize {
         usize::from(self.swapped)
@@ -220,6 +236,9 @@ mod tests {
             assert!((m.frame.z.dot(&axis.z).abs() - 1.0).abs() < 1e-12, "{:?}", m.frame);
             assert!((m.turn.abs() - turn).abs() < 1e-9 && m.is_whole() == whole, "{}", m.turn);
             assert_eq!(m.ends_on_axis(), [false; 2]);
+            let third = m.frame.to_local(&m.point(0.5, m.around(1.0 / 3.0)));
+            let turned = (third.y.atan2(third.x) * m.turn.signum()).rem_euclid(TAU);
+            assert!((turned - m.turn.abs() / 3.0).abs() < 1e-9, "{turned}");
             let [p, d] = m.jet(0.5);
             let off = 1e-6;
             let difference = (m.jet(0.5 + off)[0] - m.jet(0.5 - off)[0]) / (2.0 * off);

@@ -3,16 +3,20 @@
 //! *Method.* Panels that are too large are cut: each for itself into equal parts, or all together along common planes
 //! across the face, so that joints line up; or the face is cut along such planes first and each section is covered for
 //! itself, where strips may run another way. The fewest panels that all fit win. Faces that are developable already are
-//! cut along their parameter lines, equally far apart on the flat pattern. Pieces of a good panel are good panels:
+//! cut along their parameter lines, equally far apart on the flat pattern; cones about the axis of a face of revolution
+//! into equal sectors. Pieces of a good panel are good panels:
 //! only the cuts are new, and the judge sees all of them again.
 //!
 //! *Not guaranteed*: the fewest panels that could be; where no way fits, the one that misses the sheet with the fewest
 //! panels.
 
 use super::build::too_large;
-use super::cover::{cover, exact_regions, exactly, is_developable, CoverOptions, SeamPlane};
+use super::cover::{cover, exact_regions, exactly, is_developable, meridian, CoverOptions, SeamPlane};
 use super::laid::{Laid, Task};
+use crate::brep::meridian::Meridian;
 use crate::geom::Vec3;
+use crate::torse::form::PanelKind;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of cutting panels that are still too large, at most: some no cut makes fit.
 const ROUNDS: usize = 8;
@@ -27,6 +31,9 @@ const NEAR_AXIS: f64 = 0.966;
 pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
     if is_developable(task.face, task.options.tolerance) {
         return gridded(task).unwrap_or_else(|| cut_until_it_fits(task, laid));
+    }
+    if let Some(petals) = petals(task, &laid) {
+        return petals;
     }
     let planes = sections(task, &laid);
     let lined_up = planes.iter().find_map(|planes| {
@@ -91,6 +98,55 @@ fn gridded(task: &Task) -> Option<Laid> {
         let cut = task.laid(cut, Vec::new());
         fits(task, &cut).then_some(cut)
     })
+}
+
+/// Cones that go all round an axis, each cut along rulings into as few equal sectors as fit; `None` for other covers, and where
+/// that cannot be proven.
+fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
+    let limits = &task.options.limits;
+    let meridian = meridian(task.face, task.options.tolerance).filter(Meridian::is_whole)?;
+    if laid.state.panels.values().any(|fit| fit.kind != PanelKind::Cone) {
+        return None;
+    }
+    let around = 1 - meridian.along();
+    let drawn = drawn_lines(laid.state.partition.vertices.iter().map(|v| v[around]));
+    let mut counts: BTreeMap<u32, usize> = laid.state.panels.keys().map(|ring| (*ring, 1)).collect();
+    let mut large: Vec<(u32, usize)> =
+        too_large(&laid.built, limits).into_iter().map(|(ring, parts)| (ring, parts[0].max(parts[1]))).collect();
+    for _ in 0..ROUNDS {
+        for (ring, least) in large {
+            counts.insert(ring, least.max(counts.get(&ring)? + 1));
+        }
+        if counts.values().sum::<usize>() > task.options.max_panels || task.control.stopped() {
+            return None;
+        }
+        let (mut state, mut rings) = (laid.state.clone(), BTreeMap::new());
+        for (&ring, &count) in &counts {
+            let mut petals = vec![ring];
+            for k in 1..count {
+                let at = nearest(&drawn, meridian.around(k as f64 / count as f64));
+                for petal in petals.clone() {
+                    if let Some((cut, parts)) = state.cut_by(petal, |uv| uv[around] - at) {
+                        petals.retain(|p| *p != petal);
+                        petals.extend(parts);
+                        state = cut;
+                    }
+                }
+            }
+            rings.extend(petals.into_iter().map(|petal| (petal, ring)));
+        }
+        let next = task.laid(state, laid.seams.clone());
+        if !next.accepted {
+            return None;
+        }
+        let of_rings: BTreeSet<u32> =
+            too_large(&next.built, limits).iter().map(|l| rings.get(&l.0).copied()).collect::<Option<_>>()?;
+        if of_rings.is_empty() {
+            return Some(next);
+        }
+        large = of_rings.into_iter().map(|ring| (ring, 1)).collect();
+    }
+    None
 }
 
 /// Vertices with the same parameter that make a line of the triangulation.

@@ -56,7 +56,7 @@ use march::SWEEP_DIRECTIONS;
 pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
 pub(crate) use recount::Recount;
-pub(in crate::search) use revolved::revolved;
+pub(in crate::search) use revolved::{meridian, revolved};
 pub(in crate::search) use seam_line::SeamLine;
 use state::Density;
 pub use state::{Origin, State};

@@ -72,6 +72,11 @@ pub(in crate::search) fn revolved(
     about_axis(face, options, None, between, control)
 }
 
+/// The meridian of a face of revolution, as far as a tolerance (mm) sees it.
+pub(in crate::search) fn meridian(face: &Face, tolerance: f64) -> Option<Meridian<'_>> {
+    Meridian::of(&face.surface, bounds(face), SLACK * tolerance)
+}
+
 /// Number of panels that theory promises; `None` where it promises nothing.
 fn promised(face: &Face, tolerance: f64) -> Option<usize> {
     band_range(face).map(|range| (range / (4.0 * tolerance.sqrt())).ceil() as usize)
@@ -86,7 +91,7 @@ fn about_axis(
     between: &HashSet<(u32, u64)>,
     control: &Control,
 ) -> Option<(Face, State)> {
-    let meridian = Meridian::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
+    let meridian = meridian(face, options.tolerance)?;
     let most = match most {
         Some(most) => most,
         None if meridian.is_whole() => usize::MAX,

@@ -87,15 +87,20 @@ impl State {
         let mut state = self.clone();
         for height in heights {
             for label in state.partition.distinct_labels() {
-                let mut trial = state.clone();
-                let fit = trial.panels.remove(&label);
-                if let Some(cut) = trial.parted(label, height) {
-                    let fits = cut.into_iter().filter_map(|p| Some((p, Arc::clone(fit.as_ref()?))));
-                    trial.panels.extend(fits);
-                    state = trial;
+                if let Some((cut, _)) = state.cut_by(label, height) {
+                    state = cut;
                 }
             }
         }
         state
+    }
+
+    /// The same with one region cut where a function of the parameters is zero, and the labels of its parts, which keep its torse.
+    pub(crate) fn cut_by(&self, label: u32, height: impl Fn([f64; 2]) -> f64) -> Option<(Self, Vec<u32>)> {
+        let mut state = self.clone();
+        let fit = state.panels.remove(&label);
+        let parts = state.parted(label, height)?;
+        state.panels.extend(parts.iter().filter_map(|p| Some((*p, Arc::clone(fit.as_ref()?)))));
+        Some((state, parts))
     }
 }
