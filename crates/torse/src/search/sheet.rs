@@ -14,8 +14,8 @@ use super::build::too_large;
 use super::cover::{cover, exact_regions, exactly, is_developable, meridian, CoverOptions, SeamPlane};
 use super::laid::{Laid, Task};
 use crate::brep::meridian::Meridian;
+use crate::brep::recognised_surface::bounds;
 use crate::geom::Vec3;
-use crate::torse::form::PanelKind;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of cutting panels that are still too large, at most: some no cut makes fit.
@@ -100,15 +100,21 @@ fn gridded(task: &Task) -> Option<Laid> {
     })
 }
 
-/// Cones that go all round an axis, each cut along rulings into as few equal sectors as fit; `None` for other covers, and where
+/// Cones and cylinders that go all round an axis, each cut along rulings into as few equal sectors as fit; `None` for other covers, and where
 /// that cannot be proven.
 fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
     let limits = &task.options.limits;
     let meridian = meridian(task.face, task.options.tolerance).filter(Meridian::is_whole)?;
-    if laid.state.panels.values().any(|fit| fit.kind != PanelKind::Cone) {
+    let (around, bounds) = (1 - meridian.along(), bounds(task.face));
+    let goes_round = |ring: &u32| {
+        let vertices = &laid.state.partition.vertices;
+        let places: Vec<f64> =
+            laid.state.partition.region_vertices(*ring).into_iter().map(|v| vertices[v as usize][around]).collect();
+        [bounds[2 * around], bounds[2 * around + 1]].iter().all(|end| places.contains(end))
+    };
+    if !laid.state.panels.keys().all(goes_round) {
         return None;
     }
-    let around = 1 - meridian.along();
     let drawn = drawn_lines(laid.state.partition.vertices.iter().map(|v| v[around]));
     let mut counts: BTreeMap<u32, usize> = laid.state.panels.keys().map(|ring| (*ring, 1)).collect();
     let mut large: Vec<(u32, usize)> =
