@@ -112,7 +112,9 @@ fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
             laid.state.partition.region_vertices(*ring).into_iter().map(|v| vertices[v as usize][around]).collect();
         [bounds[2 * around], bounds[2 * around + 1]].iter().all(|end| places.contains(end))
     };
-    if !laid.state.panels.keys().all(goes_round) {
+    // Sectors are as wide along their rulings as rings.
+    let too_wide = limits.max_width.is_some_and(|most| laid.built.patterns.iter().any(|p| p.strip_width() > most));
+    if too_wide || !laid.state.panels.keys().all(goes_round) {
         return None;
     }
     let drawn = drawn_lines(laid.state.partition.vertices.iter().map(|v| v[around]));
