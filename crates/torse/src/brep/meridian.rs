@@ -125,10 +125,10 @@ impl<'a> Meridian<'a> {
         self.turn.abs() == TAU
     }
 
-    /// The other parameter at a share of the turn.
+    /// The other parameter at a share of the turn, above 0 and below 1, in the middle of the curve.
     pub fn around(&self, share: f64) -> f64 {
         let t = 0.5 * (self.range.0 + self.range.1);
-        // How far it has turned there: from begin to end by less than a whole turn and more than none.
+        // How far it has turned up to there, rad.
         let turned = |s: f64| {
             let q = self.frame.to_local(&self.point(t, s));
             (q.y.atan2(q.x) * self.turn.signum()).rem_euclid(TAU)

@@ -4,8 +4,7 @@
 //! across the face, so that joints line up; or the face is cut along such planes first and each section is covered for
 //! itself, where strips may run another way. The fewest panels that all fit win. Faces that are developable already are
 //! cut along their parameter lines, equally far apart on the flat pattern; cones about the axis of a face of revolution
-//! into equal sectors. Pieces of a good panel are good panels:
-//! only the cuts are new, and the judge sees all of them again.
+//! into equal sectors. Pieces of a good panel are good panels: only the cuts are new, and the judge sees all of them again.
 //!
 //! *Not guaranteed*: the fewest panels that could be; where no way fits, the one that misses the sheet with the fewest
 //! panels.
@@ -100,8 +99,8 @@ fn gridded(task: &Task) -> Option<Laid> {
     })
 }
 
-/// Cones and cylinders that go all round an axis, each cut along rulings into as few equal sectors as fit; `None` for other covers, and where
-/// that cannot be proven.
+/// Cones and cylinders that go all round an axis, each cut along rulings into as few equal sectors as fit; `None` for other covers,
+/// and where none fit or some cannot be proven.
 fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
     let limits = &task.options.limits;
     let meridian = meridian(task.face, task.options.tolerance).filter(Meridian::is_whole)?;

@@ -103,7 +103,7 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
             if error < before {
                 best = Some(Fit { torse, kind, error, worst: places[worst] });
             }
-            if error <= options.goal || error > BETTER * before || error.is_nan() {
+            if error <= options.goal || error > BETTER * before || !error.is_finite() {
                 break;
             }
         }
