@@ -18,10 +18,11 @@ use crate::patchwork::part::Part;
 use crate::patchwork::pattern::{Mark, MarkLine, Pattern};
 use crate::pipeline::approximate::{of_faces, Options};
 use crate::reason::{FaceReason, Reason};
+use crate::search::cover::is_all_round;
 use std::f64::consts::TAU;
 
-/// What the absolute curvature of a face adds up to, in 2π, above which it is not covered beside what is laid flat: a hemisphere has
-/// 1, a whole sphere 2 and a torus 4, and these take minutes.
+/// What the absolute curvature of a face adds up to, in 2π, above which it is not covered beside what is laid flat, unless it goes all
+/// round an axis: a hemisphere has 1, a closed surface 2 and more, and without cones about an axis these take minutes.
 const MOST_TURNS: f64 = 1.5;
 
 /// A panel that covers a face, as what curves are carried to.
@@ -50,7 +51,7 @@ fn covers(made: &Answer, tolerance: f64) -> Vec<Cover> {
 
 /// Adds panels for `faces`, each a part of its own, with what is proven of them; where there are curves to be carried over, the answer
 /// is what they are carried to. Names follow those of `torse approximate`.
-/// Where that job fails, and where they are curved all around, the faces are left out by name, if there are other parts.
+/// Where that job fails, and where they are curved all around but about no axis, the faces are left out by name, if there are other parts.
 ///
 /// # Errors
 /// As of that job, where there is nothing else; [`TooRound`].
@@ -60,7 +61,7 @@ pub(super) fn add(
     (tolerance, curves): (f64, bool),
     control: &Control,
 ) -> Result<Vec<Cover>, UnrollError> {
-    let turns = |f: &Face| total_curvature_estimate(f) / TAU;
+    let turns = |f: &Face| if is_all_round(f, tolerance) { 0.0 } else { total_curvature_estimate(f) / TAU };
     let (round, faces): (Vec<_>, Vec<_>) = faces.into_iter().map(|f| (turns(&f), f)).partition(|f| f.0 > MOST_TURNS);
     let faces: Vec<Face> = faces.into_iter().map(|f| f.1).collect();
     let why = |(turns, face): &(f64, Face)| TooRound { entity: face.entity, turns: *turns };

@@ -87,7 +87,7 @@ pub enum UnrollError {
     /// Faces that are not developable cannot be covered.
     #[error("faces that are not developable cannot be covered: {0}")]
     Approximate(#[from] ApproximateError),
-    /// Nothing but faces that are curved all around.
+    /// Nothing but faces that are curved all around, about no axis.
     #[error("faces that are not developable cannot be covered: {0}")]
     Round(#[from] TooRound),
     /// Nothing can be laid flat.
@@ -100,7 +100,7 @@ pub enum UnrollError {
     },
 }
 
-/// A face that is curved both ways all around, as a whole sphere or torus is.
+/// A face that is curved both ways all around and does not go round an axis, as a whole ellipsoid of three different axes.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "face #{entity} is curved both ways all around: its curvature adds up to {turns:.1} times that of a hemisphere; \

@@ -56,6 +56,7 @@ use march::SWEEP_DIRECTIONS;
 pub(in crate::search) use propose::least_bend;
 use rayon::prelude::*;
 pub(crate) use recount::Recount;
+pub(crate) use revolved::is_all_round;
 pub(in crate::search) use revolved::{meridian, revolved};
 pub(in crate::search) use seam_line::SeamLine;
 use state::Density;

@@ -77,6 +77,11 @@ pub(in crate::search) fn meridian(face: &Face, tolerance: f64) -> Option<Meridia
     Meridian::of(&face.surface, bounds(face), SLACK * tolerance)
 }
 
+/// Whether a face goes all round an axis, as far as a tolerance (mm) sees it: cones about the axis cover it.
+pub(crate) fn is_all_round(face: &Face, tolerance: f64) -> bool {
+    meridian(face, tolerance).is_some_and(|m| m.is_whole())
+}
+
 /// Number of panels that theory promises; `None` where it promises nothing.
 fn promised(face: &Face, tolerance: f64) -> Option<usize> {
     band_range(face).map(|range| (range / (4.0 * tolerance.sqrt())).ceil() as usize)

@@ -210,7 +210,31 @@ fn covers_are_written_to_their_own_tolerance_beside_a_finer_one() {
     assert_eq!(answer.status(), Status::Certified, "{told:?}");
 }
 
-/// All of a torus but a narrow gap is not covered beside flat parts: that would take minutes.
+/// Whole spheres and tori beside a plate are covered with cones about their axis, which meet.
+#[test]
+fn faces_all_round_an_axis_are_covered_beside_flat_parts() {
+    use crate::brep::face::Face;
+    use crate::brep::support_surface::SupportSurface;
+    use std::f64::consts::{FRAC_PI_2, TAU};
+    let frame = Frame::world();
+    for (support, v, least) in [
+        (SupportSurface::Torus { frame, major: 500.0, minor: 150.0 }, (0.0, TAU), 5),
+        (SupportSurface::Sphere { frame, radius: 500.0 }, (-FRAC_PI_2, FRAC_PI_2), 4),
+    ] {
+        let closed = Face::untrimmed(support.to_spline((0.0, TAU), v).expect("a spline").0);
+        let whole = crate::brep::area::area_estimate(&closed);
+        let good = super::rectangle(Vec3::new(900.0, 0.0, 0.0), 100.0 * Vec3::x(), 100.0 * Vec3::y());
+        let options = UnrollOptions { surfaces: true, approximate: Some(10.0), ..UnrollOptions::new(0.05) };
+        let answer = unroll(&super::model_of(vec![closed, good]), &options, &Control::default()).expect("an answer");
+        let told: Vec<String> = answer.claims.iter().filter_map(|c| c.reason()).map(why).collect();
+        assert_eq!((answer.status(), answer.skipped.len()), (Status::Certified, 0), "{told:?}");
+        assert!(answer.patterns.len() > least, "{}", answer.patterns.len());
+        let area: f64 = answer.patterns.iter().map(|p| p.area).sum::<f64>() - 1e4;
+        assert!((area - whole).abs() < 0.03 * whole, "{area} {whole}");
+    }
+}
+
+/// All of a torus but a narrow gap goes round no axis: it is not covered beside flat parts, which would take long.
 #[test]
 fn faces_that_are_curved_all_around_are_left_to_the_other_job() {
     use crate::brep::support_surface::SupportSurface;
