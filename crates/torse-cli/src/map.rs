@@ -6,9 +6,8 @@ use crate::folder::{is_of_result, is_same_file, LoneFile};
 use crate::input::contents;
 use crate::refold::file_of;
 use std::io::Write as _;
-use torse::io::artwork::{self, Artwork, PointRow};
-use torse::pipeline::map_artwork::{read_map, ArtworkMap, MapError, Side};
-use torse::torse::rail::Rail;
+use torse::io::artwork::{self, Artwork, PointRow, Sketch};
+use torse::pipeline::map_artwork::{read_map, ArtworkMap, Carried, Item, MapError, Off, Side};
 
 /// Points on no part that are told one by one.
 const TOLD: usize = 20;
@@ -21,20 +20,21 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
     let artwork = artwork::read(&name, &contents(&arguments.artwork)?, arguments.unit.unwrap_or(1.0))
         .map_err(|e| Failure::new(e.to_string(), "give a table of points (x, y, z) or a drawing of curves (DXF)"))?;
     let file = file_of(&arguments.folder)?;
-    let map = read_map(&file, arguments.part.as_deref(), arguments.within.as_ref().map(|l| l.mm)).map_err(|e| {
+    let mut map = read_map(&file, arguments.part.as_deref(), arguments.within.as_ref().map(|l| l.mm)).map_err(|e| {
         let hint = match &e {
             MapError::Part { .. } => "name one of these",
             _ => "give a folder as another command wrote it, with all its files",
         };
         Failure::new(format!("{}: {e}", arguments.folder.display()), hint)
     })?;
+    map.chord = arguments.chord.as_ref().map_or(map.chord, |l| l.mm);
     let to = match arguments.to {
         To::Flat => Side::Flat,
         To::Space => Side::Space,
     };
     let (notes, (bytes, mut told)) = match artwork {
         Artwork::Points(points, blank) => (passed_on(&blank), carried_points(&map, &points, &blank, to)),
-        Artwork::Curves(curves, notes) => (notes, carried_curves(&map, &curves, to)),
+        Artwork::Drawing(sketch, notes) => (notes, carried_drawing(&map, &sketch, to)),
     };
     told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
     let written = output.finish(&bytes)?;
@@ -101,17 +101,23 @@ fn carried_points(
     (artwork::csv(&rows, to == Side::Flat), told)
 }
 
-fn carried_curves(map: &ArtworkMap, curves: &[Rail], to: Side) -> (Vec<u8>, Vec<String>) {
-    let (mut lines, mut told) = (Vec::new(), Vec::new());
-    for curve in curves {
-        let made = map.curve(curve, to);
-        if made.off > 0.0 {
-            told.push(format!(
-                "{}: about {:.3} mm lie on no part, up to {:.4} mm away",
-                curve.name, made.off, made.farthest
-            ));
-        }
-        lines.extend(made.pieces);
+fn carried_drawing(map: &ArtworkMap, sketch: &Sketch, to: Side) -> (Vec<u8>, Vec<String>) {
+    let carried: Vec<Carried> = sketch.items.iter().map(|item| map.item(item, to)).collect();
+    let off: Vec<String> = sketch.items.iter().zip(&carried).filter_map(|(i, c)| Some(told(i, &c.off?))).collect();
+    let mut lines: Vec<String> = off.iter().take(TOLD).cloned().collect();
+    if off.len() > TOLD {
+        lines.push(format!("and {} more lie on no part, in whole or in part", off.len() - TOLD));
     }
-    (artwork::dxf(&lines, to == Side::Flat), told)
+    let placed: Vec<_> = carried.into_iter().flat_map(|c| c.placed).collect();
+    (artwork::dxf(&placed, &sketch.layers, to == Side::Flat), lines)
+}
+
+/// What is said of something that lies on no part.
+fn told(item: &Item, off: &Off) -> String {
+    let (name, layer) = (&item.name, &item.style.layer);
+    if off.length > 0.0 {
+        let (length, away) = (off.length, off.farthest);
+        return format!("{name} on layer '{layer}': about {length:.3} mm lie on no part, up to {away:.4} mm away");
+    }
+    format!("{name} on layer '{layer}': it lies on no part; the nearest is {:.4} mm away", off.farthest)
 }

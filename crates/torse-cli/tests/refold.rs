@@ -55,6 +55,45 @@ fn a_result_is_bent_back_and_carries_points() {
     std::fs::remove_dir_all(&folder).expect("removed");
 }
 
+/// Everything of a drawing goes there and back on its layer, in its colour, and what lies beside the parts is named.
+#[test]
+fn a_drawing_is_carried_there_and_back() {
+    let folder = scratch("drawing");
+    let made = bracket(&folder);
+    let square = "0\nLWPOLYLINE\n5\nA\n8\ncut\n62\n1\n90\n4\n70\n1\n10\n10\n20\n10\n10\n14\n20\n10\n42\n1\n10\n14\n20\n14\n10\n10\n20\n14\n";
+    let others =
+        "0\nPOINT\n5\nB\n8\nrivets\n10\n12\n20\n12\n0\nTEXT\n5\nC\n8\nnames\n10\n11\n20\n11\n40\n2.5\n1\nP 7\n50\n30\n\
+                  0\nCIRCLE\n5\nD\n8\ncut\n10\n-500\n20\n0\n40\n3\n";
+    let drawing = format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n0\nLAYER\n2\n\
+         rivets\n62\n5\n0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{square}{others}0\nENDSEC\n0\nEOF\n"
+    );
+    let given = folder.join("given.dxf");
+    std::fs::write(&given, drawing).expect("written");
+    let (there, back) = (folder.join("there.dxf"), folder.join("back.dxf"));
+    let run = torse(&["map", path(&made), path(&given), "--to", "space", "-o", path(&there)]);
+    assert_eq!(run.status.code(), Some(3), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).contains("CIRCLE D on layer 'cut': about"), "{}", text(&run.stdout));
+    let run = torse(&["map", path(&made), path(&there), "--to", "flat", "-o", path(&back)]);
+    assert!(run.status.success(), "{}{}", text(&run.stdout), text(&run.stderr));
+    let written = std::fs::read_to_string(&back).expect("a drawing");
+    for words in [
+        "0\nPOLYLINE\n8\ncut\n62\n1\n66\n1\n70\n1\n",
+        "0\nPOINT\n8\nrivets\n10\n12.000000",
+        "0\nTEXT\n8\nnames\n10\n11.000000",
+        "1\nP 7\n50\n30.000",
+        "0\nLAYER\n2\nrivets\n70\n0\n62\n5\n",
+        "1001\nTORSE\n1000\n",
+    ] {
+        assert!(written.contains(words), "{words:?} in {written}");
+    }
+    // What somebody has changed since is not written over.
+    std::fs::write(&back, written.replacen("62\n1\n", "62\n2\n", 1)).expect("written");
+    let run = torse(&["map", path(&made), path(&there), "--to", "flat", "-o", path(&back), "--force"]);
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
 /// A result of the bracket, made by the program.
 fn bracket(folder: &Path) -> PathBuf {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/bracket.step");

@@ -11,7 +11,7 @@ use torse::io::curves::CurveOptions;
 use torse::io::refold_report::RefoldReport;
 use torse::io::result_folder::FolderError;
 use torse::pipeline::approximate::of_faces;
-use torse::pipeline::map_artwork::{read_map, MapError, Side};
+use torse::pipeline::map_artwork::{read_map, Carried, Item, MapError, PlacedShape, Shape, Side, Style, Words};
 use torse::pipeline::refold::{refold, RefoldAnswer};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
@@ -348,6 +348,82 @@ fn points_and_curves_go_there_and_back() {
             (k, Vec3::new(160.0 * a.cos(), 160.0 * a.sin(), 75.0))
         })
         .chain([(9, Vec3::new(500.0, 0.0, 0.0))])
+/// Something of a drawing.
+fn drawn(name: &str, shape: Shape) -> Item {
+    let style = Style { layer: "logo".into(), colour: Some(3) };
+    Item { name: name.into(), style, shape }
+}
+
+/// The only polyline that something has become.
+fn line(carried: &Carried) -> (Vec<Vec3>, bool) {
+    let [one] = &carried.placed[..] else { panic!("{carried:?}") };
+    assert_eq!((one.style.layer.as_str(), one.style.colour), ("logo", Some(3)));
+    let PlacedShape::Line { points, closed } = &one.shape else { panic!("{carried:?}") };
+    (points.clone(), *closed)
+}
+
+/// A polyline as a thing of a drawing, closed again.
+fn again(points: &[Vec3], closed: bool) -> Item {
+    let around: Vec<Vec3> = points.iter().chain(points.first().filter(|_| closed)).copied().collect();
+    drawn("POLYLINE", Shape::Curves(Rail::polyline("again", &around).expect("a rail").pieces))
+}
+
+/// Distance of a point from the nearest segment of a polyline.
+fn off(x: &Vec3, points: &[Vec3]) -> f64 {
+    let segment = |w: &[Vec3]| {
+        let way = w[1] - w[0];
+        let share = ((x - w[0]).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (w[0] + way * share - x).norm()
+    };
+    points.windows(2).map(segment).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn rings_points_and_texts_come_back_as_they_were() {
+    let files = &cone().0;
+    let map = read_map(&|n: &str| files.get(n).cloned(), None, None).expect("a map");
+    // Places on the drawing in the middle of the cone's height.
+    let on_cone = |a: f64| Vec3::new(160.0 * a.cos(), 160.0 * a.sin(), 75.0);
+    let flat = map.points(&[(1, on_cone(0.4)), (2, on_cone(0.5))], Side::Flat);
+    let [at, other] = [0, 1].map(|k: usize| flat[k].place.expect("a place"));
+    // A ring with corners and one without.
+    let square = [[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0], [-5.0, -5.0]];
+    let corners: Vec<Vec3> = square.iter().map(|c| at + Vec3::new(c[0], c[1], 0.0)).collect();
+    let circle: Vec<Vec3> = (0..=64)
+        .map(|k| std::f64::consts::TAU * f64::from(k) / 64.0)
+        .map(|a| at + Vec3::new(6.0 * a.cos(), 6.0 * a.sin(), 0.0))
+        .collect();
+    for ring in [corners, circle] {
+        let there = map.item(&again(&ring, false), Side::Space);
+        assert_eq!(there.off, None);
+        let (points, closed) = line(&there);
+        assert!(closed && points.len() >= 4);
+        let (back, closed) = line(&map.item(&again(&points, true), Side::Flat));
+        assert!(closed);
+        let closed_back: Vec<Vec3> = back.iter().chain(&back[..1]).copied().collect();
+        assert!(ring.iter().all(|x| off(x, &closed_back) <= 2.0 * map.chord), "corners stay");
+        assert!(back.iter().all(|x| off(x, &ring) <= 2.0 * map.chord), "nothing else is there");
+    }
+    // A point, and a text with the direction in which it is read.
+    let there = map.item(&drawn("POINT", Shape::Point(at)), Side::Space);
+    let PlacedShape::Point(x) = there.placed[0].shape else { panic!("{there:?}") };
+    let back = map.item(&drawn("POINT", Shape::Point(x)), Side::Flat);
+    assert!(matches!(back.placed[0].shape, PlacedShape::Point(p) if (p - at).norm() < 1e-6));
+    let way = (other - at).normalize();
+    let words =
+        Words { text: "7".into(), at, way, normal: Vec3::z(), height: 5.0, stretch: 1.0, slant: 0.0, held: [0; 2] };
+    let there = map.item(&drawn("TEXT", Shape::Words(words.clone())), Side::Space);
+    let PlacedShape::Words(w) = &there.placed[0].shape else { panic!("{there:?}") };
+    // Along the circle of the cone, off its axis or towards it.
+    let tangent = Vec3::new(-0.4_f64.sin(), 0.4_f64.cos(), 0.0);
+    assert!(w.way.dot(&tangent).abs() > 0.99 && w.normal.dot(&tangent).abs() < 0.1, "{w:?}");
+    let back = map.item(&drawn("TEXT", Shape::Words(w.clone())), Side::Flat);
+    let PlacedShape::Words(w) = &back.placed[0].shape else { panic!("{back:?}") };
+    assert!((w.at - at).norm() < 1e-6 && (w.way - way).norm() < 1e-3 && w.normal == Vec3::z(), "{w:?}");
+    let far = map.item(&drawn("POINT", Shape::Point(Vec3::new(-5e3, 0.0, 0.0))), Side::Space);
+    assert!(far.placed.is_empty() && far.off.is_some_and(|o| o.length == 0.0 && o.farthest > 1e3));
+}
+
         .collect();
     let flat = map.points(&space, Side::Flat);
     assert!(flat[..8].iter().all(|r| r.part == map.parts[0].name && r.distance < 0.1), "{flat:?}");
@@ -365,10 +441,12 @@ fn points_and_curves_go_there_and_back() {
     let all: Vec<Vec3> = there.iter().map(|p| p.1).collect();
     let way = (all[7] - all[0]).normalize() * 1000.0;
     let rail = Rail::polyline("line", &[all[0] - way, all[0] + way]).expect("a rail");
-    let pieces = map.curve(&rail, Side::Space);
-    assert!(!pieces.pieces.is_empty() && pieces.off > 100.0);
-    let drawn = torse::io::artwork::dxf(&pieces.pieces, false);
-    assert!(matches!(read("a.dxf", &drawn, 1.0), Ok(Artwork::Curves(c, _)) if !c.is_empty()));
+    let carried = map.item(&drawn("LINE", Shape::Curves(rail.pieces)), Side::Space);
+    assert!(!carried.placed.is_empty() && carried.off.is_some_and(|o| o.length > 100.0));
+    let written = torse::io::artwork::dxf(&carried.placed, &[], false);
+    assert!(
+        matches!(read("a.dxf", &written, 1.0), Ok(Artwork::Drawing(s, _)) if s.items.len() == carried.placed.len())
+    );
     let unknown = read_map(&file, Some("Z"), None).expect_err("no such part");
     assert!(matches!(&unknown, MapError::Part { known, .. } if *known == map.parts[0].name));
 }

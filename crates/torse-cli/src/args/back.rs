@@ -50,8 +50,10 @@ pub enum To {
   torse map hull-panels --to flat rivets.csv --out rivets-flat.csv
   torse map hull-panels --to space logo.dxf --part A-03 --out logo-in-space.dxf
 
-A table (.csv) of points gives a table, a drawing (.dxf) gives a drawing with a layer for every part. Points that lie on no part
-are named with their distance; of curves, it is told how much of them lies on no part.
+A table (.csv) of points gives a table, a drawing (.dxf) a drawing: lines, arcs, circles, ellipses, polylines and splines become
+polylines, points and texts stay what they are, on their layers and in their colours. Each is on one part, whose name is with it
+as data of TORSE (1001, 1000); what runs over several parts is cut between them. Points that lie on no part are named with their
+distance; of curves, it is told how much of them lies on no part.
 
 Exit status: 0 all was carried over, 2 bad input or usage, 3 something lies on no part, or parts were left out.")]
 pub struct Map {
@@ -82,6 +84,10 @@ pub struct Map {
     /// How far from a part artwork may be, with its unit [default: the tolerance of the result]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub within: Option<Length>,
+
+    /// How far polylines may be from the curves that they stand for, with its unit [default: 0.01mm]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub chord: Option<Length>,
 
     /// Unit of artwork that does not say its own: mm, cm, m, in, ft [default: mm]
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]

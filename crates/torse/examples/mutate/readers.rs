@@ -8,6 +8,7 @@ use torse::io::json::Report;
 use torse::io::step::read as step;
 use torse::io::{cloud, drawings, elements, materials, net, quads, result_folder, shape};
 use torse::patchwork::written::WrittenPiece;
+use torse::pipeline::map_artwork::Shape;
 use torse::torse::contact::Given;
 use torse::torse::rail::Rail;
 
@@ -130,7 +131,11 @@ fn report(bytes: &[u8]) -> Result<bool, String> {
 fn drawn(name: &str, bytes: &[u8]) -> Result<bool, String> {
     Ok(match artwork::read(name, bytes, 1.0).map_err(|e| e.to_string())? {
         Artwork::Points(points, _) => points.iter().all(|(_, p)| finite(&[*p])),
-        Artwork::Curves(curves, _) => curves.iter().all(sound),
+        Artwork::Drawing(sketch, _) => sketch.items.iter().all(|i| match &i.shape {
+            Shape::Curves(all) => all.iter().flat_map(|c| &c.control).flatten().all(|x| x.is_finite()),
+            Shape::Point(p) => finite(&[*p]),
+            Shape::Words(w) => finite(&[w.at, w.way, w.normal]) && w.height > 0.0,
+        }),
     })
 }
 

@@ -2,9 +2,11 @@
 
 pub use crate::develop::refold::artwork::PointRow;
 use crate::geom::Vec3;
-use crate::io::curves::{read_all, CurveError, CurveOptions};
+pub use crate::io::artwork_drawing::dxf;
+use crate::io::artwork_drawing::is_drawing_as_written;
+pub use crate::io::curves::Sketch;
+use crate::io::curves::{sketch, CurveError, CurveOptions};
 use crate::io::table::{self, Fault};
-use crate::torse::rail::Rail;
 use std::fmt::Write as _;
 
 /// A file of artwork.
@@ -12,8 +14,8 @@ use std::fmt::Write as _;
 pub enum Artwork {
     /// Points of a table, mm, each with its line, and the lines of rows without a place: points that lay on no part before.
     Points(Vec<(usize, Vec3)>, Vec<usize>),
-    /// Curves of a drawing, with what was not read of it.
-    Curves(Vec<Rail>, Vec<String>),
+    /// Curves, points and texts of a drawing, with what was not read of it.
+    Drawing(Sketch, Vec<String>),
 }
 
 /// Why a file of artwork cannot be read.
@@ -56,12 +58,12 @@ pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError
     let start = text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']);
     let drawing = start.lines().next().is_some_and(|l| matches!(l.trim(), "0" | "999"));
     if drawing {
-        let options = CurveOptions { polyline: true, ..CurveOptions::new(name) };
-        let all = match read_all(bytes, &options) {
-            Err(CurveError::NoUnit(_)) => read_all(bytes, &CurveOptions { unit: Some(unit), ..options })?,
+        let options = CurveOptions::new(name);
+        let (all, notes) = match sketch(bytes, &options) {
+            Err(CurveError::NoUnit(_)) => sketch(bytes, &CurveOptions { unit: Some(unit), ..options })?,
             other => other?,
         };
-        return Ok(Artwork::Curves(all.rails, all.notes));
+        return Ok(Artwork::Drawing(all, notes));
     }
     points(name, bytes, unit)
 }
@@ -120,43 +122,13 @@ pub fn csv(rows: &[PointRow], flat: bool) -> Vec<u8> {
     out.into_bytes()
 }
 
-/// How drawings begin.
-const DRAWING_BEGINS: &str =
-    "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
-/// How drawings end.
-const DRAWING_ENDS: &str = "0\nENDSEC\n0\nEOF\n";
 /// Digits of coordinates after the point.
 const DIGITS: usize = 9;
 
-/// Polylines with the names of their layers as a DXF drawing (AC1009) in mm; `flat` for drawings of the plane.
-pub fn dxf(lines: &[(String, Vec<Vec3>)], flat: bool) -> Vec<u8> {
-    let mut out = String::from(DRAWING_BEGINS);
-    for (name, points) in lines {
-        let plain = |c: char| if c.is_ascii_alphanumeric() || "-_$".contains(c) { c } else { '_' };
-        let layer: String = name.chars().map(plain).collect();
-        let flags = if flat { 0 } else { 8 };
-        // Writing to a string cannot fail.
-        _ = write!(out, "0\nPOLYLINE\n8\n{layer}\n66\n1\n70\n{flags}\n10\n0.0\n20\n0.0\n30\n0.0\n");
-        for p in points {
-            _ = write!(
-                out,
-                "0\nVERTEX\n8\n{layer}\n10\n{:.DIGITS$}\n20\n{:.DIGITS$}\n30\n{:.DIGITS$}\n",
-                p.x, p.y, p.z
-            );
-            if !flat {
-                out.push_str("70\n32\n");
-            }
-        }
-        _ = write!(out, "0\nSEQEND\n8\n{layer}\n");
-    }
-    out.push_str(DRAWING_ENDS);
-    out.into_bytes()
-}
-
-/// Whether a file is, to the last line, of the form that [`csv`] and [`dxf`] write. What other programs have written or
-/// somebody has added to is not.
+/// Whether a file is, to the last line, of the form that [`csv`] writes, or to the last letter as [`dxf`] wrote it. What other programs
+/// have written or somebody has changed is not.
 pub fn is_as_written(bytes: &[u8]) -> bool {
-    std::str::from_utf8(bytes).is_ok_and(|text| is_table_as_written(text) || is_drawing_as_written(text))
+    std::str::from_utf8(bytes).is_ok_and(is_table_as_written) || is_drawing_as_written(bytes)
 }
 
 fn is_table_as_written(text: &str) -> bool {
@@ -173,24 +145,10 @@ fn is_table_as_written(text: &str) -> bool {
     })
 }
 
-fn is_drawing_as_written(text: &str) -> bool {
-    let Some(entities) = text.strip_prefix(DRAWING_BEGINS).and_then(|t| t.strip_suffix(DRAWING_ENDS)) else {
-        return false;
-    };
-    let lines: Vec<&str> = entities.lines().collect();
-    let coordinate =
-        |x: &str| x == "0.0" || (x.parse::<f64>().is_ok() && x.split_once('.').is_some_and(|(_, d)| d.len() == DIGITS));
-    lines.chunks(2).all(|group| match *group {
-        ["0", value] => ["POLYLINE", "VERTEX", "SEQEND"].contains(&value),
-        ["8", _] | ["66", "1"] | ["70", "0" | "8" | "32"] => true,
-        ["10" | "20" | "30", value] => coordinate(value),
-        _ => false,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::develop::refold::artwork::{Placed, PlacedShape, Shape, Style, Words};
 
     #[test]
     fn tables_need_two_columns_in_the_plane_and_name_their_faults() {
@@ -221,28 +179,61 @@ mod tests {
         assert!(read("a.csv", b"x,y,z\n1,,3\n", 1.0).is_err());
     }
 
+    fn drawing(flat: bool) -> Vec<u8> {
+        let style = Style { layer: "Größe 1".into(), colour: Some(3) };
+        let points = vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 5.0, 6.0), Vec3::new(4.0, 9.0, 6.5)];
+        let words = Words {
+            text: "Spant №7".into(),
+            at: Vec3::new(7.0, -8.0, 9.0),
+            way: Vec3::new(0.6, 0.0, 0.8),
+            normal: Vec3::new(0.8, 0.0, -0.6),
+            height: 5.0,
+            stretch: 0.9,
+            slant: 15.0,
+            held: [1, 2],
+        };
+        let shapes = [
+            PlacedShape::Line { points: points.clone(), closed: true },
+            PlacedShape::Line { points, closed: false },
+            PlacedShape::Point(Vec3::new(0.25, 0.5, -1.0)),
+            PlacedShape::Words(words),
+        ];
+        let placed: Vec<Placed> =
+            shapes.map(|shape| Placed { part: "A-01".into(), style: style.clone(), shape }).into_iter().collect();
+        dxf(&placed, &[("Größe 1".into(), 5)], flat)
+    }
+
     #[test]
     fn drawings_read_back_as_they_were_written() {
-        let line = vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 5.0, 6.0), Vec3::new(4.0, 9.0, 6.5)];
-        let bytes = dxf(&[("a b".into(), line.clone())], false);
-        let Ok(Artwork::Curves(rails, _)) = read("a.dxf", &bytes, 1.0) else { panic!("curves") };
-        assert_eq!(rails.len(), 1);
-        assert!((rails[0].length() - (27.0_f64.sqrt() + 16.25_f64.sqrt())).abs() < 1e-9);
+        let Ok(Artwork::Drawing(sketch, notes)) = read("a.dxf", &drawing(false), 1.0) else { panic!("a drawing") };
+        assert_eq!((sketch.items.len(), notes.len()), (4, 0), "{notes:?}");
+        assert!(sketch.items.iter().all(|i| i.style.layer == "Größe 1" && i.style.colour == Some(3)));
+        assert_eq!(sketch.layers, [("Größe 1".to_owned(), 5)]);
+        let count = |k: usize| match &sketch.items[k].shape {
+            Shape::Curves(all) => all.len(),
+            _ => 0,
+        };
+        assert_eq!([count(0), count(1)], [3, 2], "the closed one goes back");
+        assert_eq!(sketch.items[2].shape, Shape::Point(Vec3::new(0.25, 0.5, -1.0)));
+        let Shape::Words(words) = &sketch.items[3].shape else { panic!("a text") };
+        assert_eq!((words.text.as_str(), words.held), ("Spant №7", [1, 2]));
+        assert!((words.at - Vec3::new(7.0, -8.0, 9.0)).norm() < 1e-8);
+        assert!((words.way - Vec3::new(0.6, 0.0, 0.8)).norm() < 1e-8);
+        assert!((words.normal - Vec3::new(0.8, 0.0, -0.6)).norm() < 1e-8);
     }
 
     #[test]
     fn only_files_of_the_written_form_are_taken_for_written_ones() {
         let row = |place: Option<Vec3>| PointRow { line: 2, part: "A \"left\", 1".into(), place, distance: 0.25 };
         let rows = [row(Some(Vec3::new(1.0, -2.5, 1e6))), row(None)];
-        let line = vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 5e7, 6.0)];
-        let files =
-            [true, false].map(|flat| [csv(&rows, flat), csv(&[], flat), dxf(&[("a b".into(), line.clone())], flat)]);
+        let files = [true, false].map(|flat| [csv(&rows, flat), csv(&[], flat), drawing(flat)]);
         for file in files.iter().flatten() {
-            let text = String::from_utf8(file.clone()).expect("text");
+            let text: String = file.iter().map(|b| char::from(*b)).collect();
             assert!(is_as_written(file), "{text}");
             let added = text.clone() + "999\nmine\n";
-            let edited = text.replacen("8\na_b\n", "8\na_b\n62\n5\n", 1).replacen("x_mm", "x", 1);
-            assert!(!is_as_written(added.as_bytes()) && !is_as_written(edited.as_bytes()), "{text}");
+            let edited = text.replacen("62\n3\n", "62\n4\n", 1).replacen("x_mm", "x", 1);
+            let bytes = |text: &str| -> Vec<u8> { text.chars().map(|c| c as u8).collect() };
+            assert!(!is_as_written(&bytes(&added)) && !is_as_written(&bytes(&edited)), "{text}");
         }
         let others = [
             "",

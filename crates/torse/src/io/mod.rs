@@ -1,6 +1,7 @@
 //! Floor 9: files in and out. What is computed for them is asked of lower floors; nothing is fitted or proven here.
 
 pub mod artwork;
+mod artwork_drawing;
 pub mod bend_table;
 pub mod bends;
 pub mod bundle;

@@ -3,10 +3,15 @@
 use super::part_atlas::{atlases, flat_part, panels, refolded};
 use super::refold::best;
 pub(crate) use crate::develop::refold::artwork::MapPart;
-pub use crate::develop::refold::artwork::{ArtworkMap, Side};
+pub use crate::develop::refold::artwork::{
+    ArtworkMap, Carried, Item, Off, Placed, PlacedShape, Shape, Side, Style, Words,
+};
 use crate::geom::BBox;
 use crate::io::result_folder::{read, FolderError};
 use rayon::prelude::*;
+
+/// Distance (mm) that polylines keep from the images of curves where none is given: that of drawings of `torse unroll`.
+const CHORD: f64 = 0.01;
 
 /// Why nothing can be carried over.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -95,5 +100,5 @@ pub fn read_map(
         let first = left.first().map_or_else(String::new, |l| format!("{}: {}", l.0, l.1));
         return Err(MapError::Nothing(first));
     }
-    Ok(ArtworkMap { parts, left, within: within.unwrap_or(folder.report.tolerance) })
+    Ok(ArtworkMap { parts, left, within: within.unwrap_or(folder.report.tolerance), chord: CHORD })
 }

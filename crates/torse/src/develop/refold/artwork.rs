@@ -1,12 +1,13 @@
-//! Points and curves carried between parts in space and their flat patterns, by the map of the panels' patches \[DC76\].
+//! Points, texts and curves carried between parts in space and their flat patterns, by the map of the panels' patches \[DC76\].
 //!
 //! A point in space goes to its nearest place on a panel within its edges and from there to the drawing by the isometric map
-//! that made it, laid onto the outline as written; the way back is the same map inverted by Newton's method.
+//! that made it, laid onto the outline as written; the way back is the same map inverted by Newton's method. Texts are carried
+//! with the direction in which they are read (`items.rs`), curves as polylines (`followed.rs`).
 
 use super::atlas::Atlas;
 use super::drawn::{distance, inside, FlatPart};
 use crate::geom::{BBox, Vec2, Vec3};
-use crate::torse::rail::Rail;
+use crate::spline::curve::Curve;
 use rayon::prelude::*;
 
 /// Where artwork is carried to.
@@ -42,25 +43,9 @@ pub struct ArtworkMap {
     pub left: Vec<(String, String)>,
     /// Distance (mm) within which a point is on a part.
     pub within: f64,
+    /// Distance (mm) that polylines may keep from the images of curves, looked at between their points.
+    pub chord: f64,
 }
-
-/// Curves carried over: pieces on parts, and how long what lies on no part is.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CurvePieces {
-    /// Name of the part and points, mm.
-    pub pieces: Vec<(String, Vec<Vec3>)>,
-    /// Length of the curve on no part, mm, about.
-    pub off: f64,
-    /// Largest distance (mm) of what lies on no part.
-    pub farthest: f64,
-}
-
-/// Parts of a curve's extent from point to point.
-const POINTS: f64 = 400.0;
-/// Points on every smooth piece of a curve at least, and at most.
-const PER_PIECE: (usize, usize) = (2, 4000);
-/// Halvings with which the end of a piece on a part is found.
-const HALVINGS: usize = 40;
 
 /// A point that was carried over, or what keeps it from being.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,16 +60,122 @@ pub struct PointRow {
     pub distance: f64,
 }
 
+/// How something is drawn, as its drawing has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Style {
+    /// Layer.
+    pub layer: String,
+    /// Number of its colour; `None` for that of the layer.
+    pub colour: Option<i32>,
+}
+
+/// A line of text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Words {
+    /// The text.
+    pub text: String,
+    /// Where it stands, mm.
+    pub at: Vec3,
+    /// Unit direction in which it is read.
+    pub way: Vec3,
+    /// Unit normal of its plane, towards who reads it.
+    pub normal: Vec3,
+    /// Height of its letters, mm.
+    pub height: f64,
+    /// Width of its letters as a share of the usual one.
+    pub stretch: f64,
+    /// Slant of its letters, degrees.
+    pub slant: f64,
+    /// Which place of the text its own place is, across and upwards, as drawings number these.
+    pub held: [i32; 2],
+}
+
+/// What is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Curves that follow each other, homogeneous, mm.
+    Curves(Vec<Curve<4>>),
+    /// A point, mm.
+    Point(Vec3),
+    /// A text.
+    Words(Words),
+}
+
+/// One thing of a drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// What it is called, for messages.
+    pub name: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// What it is.
+    pub shape: Shape,
+}
+
+/// What something of a drawing has become.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlacedShape {
+    /// A polyline, mm; a closed one goes back to its first point.
+    Line {
+        /// Its points.
+        points: Vec<Vec3>,
+        /// Whether it is closed.
+        closed: bool,
+    },
+    /// A point, mm.
+    Point(Vec3),
+    /// A text.
+    Words(Words),
+}
+
+/// Something that was carried over, on one part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// Name of the part.
+    pub part: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// What it is.
+    pub shape: PlacedShape,
+}
+
+/// What became of one thing of a drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Carried {
+    /// On parts.
+    pub placed: Vec<Placed>,
+    /// What lies on no part.
+    pub off: Option<Off>,
+}
+
+/// What of something lies on no part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Off {
+    /// Its length (mm, about); 0 for points and texts.
+    pub length: f64,
+    /// Its largest distance from the nearest part, mm; infinite where none has a place for it.
+    pub farthest: f64,
+}
+
+/// Share of a part's size by which places may lie beyond its edges and still be on it: what its outline as drawn leaves open.
+const HAIR: f64 = 1e-7;
+
 /// A place found.
-struct Found {
-    part: usize,
-    place: Vec3,
-    off: f64,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Number of the part.
+    pub part: usize,
+    /// The place on the other side.
+    pub place: Vec3,
+    /// Distance from the part, mm.
+    pub off: f64,
+    /// Whether the nearest place of the part is on its edge, and the point beyond that.
+    pub beyond: bool,
 }
 
 impl ArtworkMap {
     /// The nearest part of a point, its place on the other side, and how far off the point is.
-    fn nearest(&self, x: &Vec3, to: Side) -> Option<Found> {
+    pub(super) fn nearest(&self, x: &Vec3, to: Side) -> Option<Found> {
         match to {
             Side::Flat => self.in_plane(x),
             Side::Space => self.in_space(&x.xy()),
@@ -104,7 +195,8 @@ impl ArtworkMap {
             let Some(on) = atlas.from_space(x) else { continue };
             if best.as_ref().is_none_or(|b| on.off < b.off) {
                 let q = atlas.flat(&on);
-                best = Some(Found { part, place: Vec3::new(q.x, q.y, 0.0), off: on.off });
+                let beyond = atlas.along(x, &on) > self.hair(part);
+                best = Some(Found { part, place: Vec3::new(q.x, q.y, 0.0), off: on.off, beyond });
             }
         }
         best
@@ -115,7 +207,16 @@ impl ArtworkMap {
         let (off, part) = self.parts.iter().map(off).zip(0..).min_by(|a, b| a.0.total_cmp(&b.0))?;
         let atlas = &self.parts[part].atlas;
         let on = atlas.from_flat(q)?;
-        Some(Found { part, place: atlas.space(&on), off: off.max(on.off) })
+        let off = off.max(on.off);
+        // Outlines as drawn run a little beside the edges of panels.
+        let beyond = off.max(atlas.over(&on)) > self.hair(part);
+        Some(Found { part, place: atlas.space(&on), off, beyond })
+    }
+
+    /// By how much (mm) places may lie beyond the edges of a part.
+    fn hair(&self, part: usize) -> f64 {
+        let part = &self.parts[part];
+        HAIR * part.bounds.diagonal() + part.alignment + part.flat.chords
     }
 
     /// Carries points over, each with its line.
@@ -130,76 +231,4 @@ impl ArtworkMap {
         };
         points.par_iter().map(row).collect()
     }
-
-    /// Carries a curve over as polylines, one for every stretch on a part; ends of stretches are on the edge of the part as
-    /// near as numbers tell.
-    pub fn curve(&self, rail: &Rail, to: Side) -> CurvePieces {
-        let step = rail.bbox().diagonal() / POINTS;
-        let mut at: Vec<f64> = Vec::new();
-        for k in 0..rail.pieces.len() {
-            let length = rail.piece_length(k, rail.pieces[k].knots.domain().1);
-            let n = ((length / step).ceil() as usize).clamp(PER_PIECE.0, PER_PIECE.1);
-            at.extend((0..n).map(|i| k as f64 + i as f64 / n as f64));
-        }
-        at.push(rail.pieces.len() as f64);
-        let found: Vec<Option<Found>> = at.par_iter().map(|s| self.nearest(&point(rail, *s), to)).collect();
-        let on = |f: &Option<Found>| f.as_ref().filter(|f| f.off <= self.within).map(|f| f.part);
-        let mut out = CurvePieces::default();
-        let mut open: Option<(usize, Vec<Vec3>)> = None;
-        for k in 0..at.len() {
-            let part = on(&found[k]);
-            if let Some(f) = found[k].as_ref().filter(|_| part.is_none()) {
-                out.farthest = out.farthest.max(f.off);
-            }
-            if k > 0 && on(&found[k - 1]) != part {
-                let (leave, enter) = self.crossing(rail, [at[k - 1], at[k]], [on(&found[k - 1]), part], to);
-                if let Some((p, mut line)) = open.take() {
-                    line.extend(leave);
-                    out.pieces.push((self.parts[p].name.clone(), line));
-                }
-                open = part.map(|p| (p, enter.into_iter().collect()));
-            } else if k > 0 && part.is_none() {
-                out.off += (point(rail, at[k]) - point(rail, at[k - 1])).norm();
-            }
-            if let (Some(p), Some(f)) = (part, &found[k]) {
-                open.get_or_insert_with(|| (p, Vec::new())).1.push(f.place);
-            }
-        }
-        if let Some((p, line)) = open {
-            out.pieces.push((self.parts[p].name.clone(), line));
-        }
-        out.pieces.retain(|p| p.1.len() > 1);
-        out
-    }
-
-    /// Last place on the part that a curve leaves and first place on the one that it enters.
-    fn crossing(
-        &self,
-        rail: &Rail,
-        ends: [f64; 2],
-        parts: [Option<usize>; 2],
-        to: Side,
-    ) -> (Option<Vec3>, Option<Vec3>) {
-        let edge = |from: f64, beyond: f64, part: Option<usize>| {
-            let part = part?;
-            let (mut a, mut b, mut last) = (from, beyond, None);
-            for _ in 0..HALVINGS {
-                let m = 0.5 * (a + b);
-                match self.nearest(&point(rail, m), to).filter(|f| f.off <= self.within && f.part == part) {
-                    Some(f) => (a, last) = (m, Some(f.place)),
-                    None => b = m,
-                }
-            }
-            last
-        };
-        (edge(ends[0], ends[1], parts[0]), edge(ends[1], ends[0], parts[1]))
-    }
-}
-
-/// The point of a rail at piece number and share of its domain.
-fn point(rail: &Rail, s: f64) -> Vec3 {
-    let k = (s.floor() as usize).min(rail.pieces.len() - 1);
-    let c = &rail.pieces[k];
-    let (a, b) = c.knots.domain();
-    crate::torse::rail::jet(c, a + (b - a) * (s - k as f64).clamp(0.0, 1.0))[0]
 }

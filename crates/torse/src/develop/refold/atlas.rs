@@ -546,6 +546,28 @@ impl Atlas {
         panel.contains(at.at).then_some(OnPanel { panel: on.panel, uv: at.at, off: at.distance })
     }
 
+    /// How far (mm) a point in space is from a place on a panel, along the panel: beyond its edge, where that is the nearest place.
+    pub(crate) fn along(&self, x: &Vec3, on: &OnPanel) -> f64 {
+        let j = self.panels[on.panel].panel.surface.jet(on.uv[0], on.uv[1]);
+        let way = x - j.p;
+        j.du.cross(&j.dv).try_normalize(0.0).map_or(0.0, |n| (way - n * n.dot(&way)).norm())
+    }
+
+    /// How far (mm) a place on a panel is beyond its edge.
+    pub(crate) fn over(&self, on: &OnPanel) -> f64 {
+        let panel = &self.panels[on.panel];
+        if panel.contains(on.uv) {
+            return 0.0;
+        }
+        let x = self.space(on);
+        let mut pieces: Vec<(f64, &BorderPiece)> = panel.border.iter().map(|p| (p.chord(&x).1, p)).collect();
+        let count = NEAREST_PIECES.min(pieces.len());
+        if count < pieces.len() {
+            pieces.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
+        }
+        pieces[..count].iter().map(|p| p.1.nearest(&panel.panel.surface, &x).1).fold(f64::INFINITY, f64::min)
+    }
+
     /// The nearest place on the panels of a point in space, within their edges.
     pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
         self.within(x, f64::INFINITY)

@@ -8,6 +8,8 @@ pub mod compare;
 pub(crate) mod cut;
 pub mod drawn;
 mod family;
+mod followed;
+mod items;
 pub mod leaf;
 mod lines;
 pub(crate) mod mesh;

@@ -39,7 +39,7 @@ const STRAIGHT: f64 = 1e-12;
 const SAME_UNIT: f64 = 1e-9;
 /// Why an entity cannot be read.
 #[derive(Debug, thiserror::Error)]
-enum Fault {
+pub(super) enum Fault {
     #[error("group {code} is '{value}', which is not a finite number")]
     Number { code: i32, value: String },
     #[error("group {code} is {value}; it must be greater than zero")]
@@ -53,27 +53,27 @@ enum Fault {
 }
 
 /// One entity: its kind, its groups, and the vertices of an old polyline, which are entities of the file.
-struct Entity<'a> {
-    kind: &'a str,
+pub(super) struct Entity<'a> {
+    pub kind: &'a str,
     groups: Vec<(i32, &'a str)>,
     vertices: Vec<Entity<'a>>,
 }
 
 impl Entity<'_> {
-    fn text(&self, code: i32) -> &str {
+    pub fn text(&self, code: i32) -> &str {
         self.groups.iter().find(|g| g.0 == code).map_or("", |g| g.1)
     }
 
     /// The number of a group, `None` if there is no such group.
-    fn number(&self, code: i32) -> Result<Option<f64>, Fault> {
+    pub fn number(&self, code: i32) -> Result<Option<f64>, Fault> {
         self.groups.iter().find(|g| g.0 == code).map(finite).transpose()
     }
 
-    fn required(&self, code: i32) -> Result<f64, Fault> {
+    pub fn required(&self, code: i32) -> Result<f64, Fault> {
         self.number(code)?.ok_or(Fault::Missing(code))
     }
 
-    fn positive(&self, code: i32) -> Result<f64, Fault> {
+    pub fn positive(&self, code: i32) -> Result<f64, Fault> {
         let value = self.required(code)?;
         (value > 0.0).then_some(value).ok_or(Fault::Positive { code, value })
     }
@@ -88,7 +88,7 @@ impl Entity<'_> {
     }
 
     /// The point of a group; only its third coordinate may be left out.
-    fn point(&self, code: i32) -> Result<Vec3, Fault> {
+    pub fn point(&self, code: i32) -> Result<Vec3, Fault> {
         let z = self.number(code + 20)?.unwrap_or(0.0);
         Ok(Vec3::new(self.required(code)?, self.required(code + 10)?, z))
     }
@@ -107,18 +107,23 @@ impl Entity<'_> {
     }
 
     /// The entity's own frame by the arbitrary axis rule.
-    fn frame(&self) -> Result<Frame, Fault> {
+    pub fn frame(&self) -> Result<Frame, Fault> {
         let z = Vec3::new(
             self.number(210)?.unwrap_or(0.0),
             self.number(220)?.unwrap_or(0.0),
             self.number(230)?.unwrap_or(1.0),
         );
-        let z = z.try_normalize(0.0).unwrap_or_else(Vec3::z);
-        // Below a 64th of both, the world's y-axis serves, else its z-axis.
-        let base = if z.x.abs() < 1.0 / 64.0 && z.y.abs() < 1.0 / 64.0 { Vec3::y() } else { Vec3::z() };
-        let x = base.cross(&z).normalize();
-        Ok(Frame { origin: Vec3::zeros(), x, y: z.cross(&x), z })
+        Ok(frame_of(&z))
     }
+}
+
+/// The frame of entities whose planes have this normal, by the arbitrary axis rule.
+pub(in crate::io) fn frame_of(normal: &Vec3) -> Frame {
+    let z = normal.try_normalize(0.0).unwrap_or_else(Vec3::z);
+    // Below a 64th of both, the world's y-axis serves, else its z-axis.
+    let base = if z.x.abs() < 1.0 / 64.0 && z.y.abs() < 1.0 / 64.0 { Vec3::y() } else { Vec3::z() };
+    let x = base.cross(&z).normalize();
+    Frame { origin: Vec3::zeros(), x, y: z.cross(&x), z }
 }
 
 fn finite(group: &(i32, &str)) -> Result<f64, Fault> {
@@ -133,8 +138,8 @@ pub(super) struct Drawing {
     pub unread: Vec<(String, usize)>,
 }
 
-/// Reads all curves, mm; each can be named by its handle or its layer.
-pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveError> {
+/// The groups of a drawing: codes and values.
+pub(super) fn groups<'a>(text: &'a str, options: &CurveOptions) -> Result<Vec<(i32, &'a str)>, CurveError> {
     let damaged = |reason: String| CurveError::Damaged { name: options.name.clone(), reason };
     let mut lines = text.lines();
     let mut groups: Vec<(i32, &str)> = Vec::new();
@@ -144,12 +149,17 @@ pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveE
             code.parse().map_err(|_| damaged(format!("'{code}' is not a group code; is this an ASCII DXF file?")))?;
         groups.push((code, value.trim()));
     }
+    Ok(groups)
+}
+
+/// Reads all curves, mm; each can be named by its handle or its layer.
+pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveError> {
+    let damaged = |reason: String| CurveError::Damaged { name: options.name.clone(), reason };
+    let groups = groups(text, options)?;
     let unit = drawn_unit(&groups, options)?;
     let by_layer = |e: &Entity| options.select.eq_ignore_ascii_case(e.text(8)) && !options.select.is_empty();
     let mut out = Drawing { found: Vec::new(), unread: Vec::new() };
-    let all =
-        entities(&groups).ok_or_else(|| damaged("the section of its entities has no end: it was cut off".into()))?;
-    for e in all {
+    for e in entities(&groups, "ENTITIES").ok_or_else(|| damaged(CUT_OFF.into()))? {
         let label = if by_layer(&e) { e.text(8) } else { e.text(5) };
         match curves(&e, unit).map_err(|x| damaged(format!("{} {}: {x}", e.kind, e.text(5))))? {
             Some(curves) => out.found.push(Found { label: label.to_owned(), curves }),
@@ -162,8 +172,11 @@ pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveE
     Ok(out)
 }
 
+/// What is the matter with a drawing whose entities have no end.
+pub(super) const CUT_OFF: &str = "the section of its entities has no end: it was cut off";
+
 /// Length of a unit of the drawing, mm.
-fn drawn_unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveError> {
+pub(super) fn drawn_unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveError> {
     let file_unit = groups
         .iter()
         .position(|g| *g == (9, "$INSUNITS"))
@@ -180,9 +193,9 @@ fn drawn_unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, Cur
     }
 }
 
-/// Entities of the ENTITIES section; vertices of old polylines belong to their polyline. `None` if the section does not
+/// Entities of a section, as ENTITIES; vertices of old polylines belong to their polyline. `None` if the section does not
 /// end.
-fn entities<'a>(groups: &[(i32, &'a str)]) -> Option<Vec<Entity<'a>>> {
+pub(super) fn entities<'a>(groups: &[(i32, &'a str)], wanted: &str) -> Option<Vec<Entity<'a>>> {
     let mut out: Vec<Entity> = Vec::new();
     let mut section = "";
     let mut k = 0;
@@ -201,7 +214,7 @@ fn entities<'a>(groups: &[(i32, &'a str)]) -> Option<Vec<Entity<'a>>> {
         }
         let own: Vec<(i32, &str)> = groups[k..].iter().take_while(|g| g.0 != 0).copied().collect();
         k += own.len();
-        if section != "ENTITIES" {
+        if section != wanted {
             continue;
         }
         let entity = Entity { kind: value, groups: own, vertices: Vec::new() };
@@ -211,7 +224,7 @@ fn entities<'a>(groups: &[(i32, &'a str)]) -> Option<Vec<Entity<'a>>> {
             _ => out.push(entity),
         }
     }
-    (section != "ENTITIES").then_some(out)
+    (section != wanted).then_some(out)
 }
 
 fn straight(p: Vec3, q: Vec3, unit: f64) -> Result<Curve<4>, SplineError> {
@@ -228,7 +241,7 @@ fn arc(frame: &Frame, centre: Vec3, radius: f64, angles: (f64, f64), unit: f64) 
 }
 
 /// The curves of an entity, `None` for kinds that are no curves.
-fn curves(e: &Entity, unit: f64) -> Result<Option<Vec<Curve<4>>>, Fault> {
+pub(super) fn curves(e: &Entity, unit: f64) -> Result<Option<Vec<Curve<4>>>, Fault> {
     let one = |c: Curve<4>| Ok(Some(vec![c]));
     match e.kind {
         "LINE" => one(straight(e.point(10)?, e.point(11)?, unit)?),

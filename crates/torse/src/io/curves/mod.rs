@@ -4,14 +4,18 @@
 mod csv;
 mod dxf;
 mod options;
+mod sketch;
 
 use crate::io::iges::read as iges;
 use crate::io::step::read::edges::{self, EdgeCurve};
 use crate::io::threedm;
 use crate::spline::curve::Curve;
 use crate::torse::rail::{Rail, RailError};
+pub(in crate::io) use dxf::frame_of;
 use options::Found;
 pub use options::{CurveError, CurveOptions};
+pub(in crate::io) use sketch::sketch;
+pub use sketch::Sketch;
 
 /// Curves of a file with what was not read of it.
 #[derive(Clone, Debug, PartialEq)]
