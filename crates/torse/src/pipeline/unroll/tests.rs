@@ -7,6 +7,7 @@ mod joined;
 mod kinds;
 mod marks;
 mod offsets;
+mod round;
 mod skins;
 
 use crate::answer::note::{Note, UnrollNote};
