@@ -67,6 +67,18 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     assert_eq!(json["schema"], "torse-refold/3");
 }
 
+/// A face that `unroll` covers with panels has bend lines, but no bends of sheet and so no table of these.
+#[test]
+fn covers_are_read_without_a_bend_table() {
+    let model = torse::read(include_bytes!("../../../data/torus_piece.step")).expect("a model");
+    let options = torse::UnrollOptions { surfaces: true, approximate: Some(8.0), ..torse::UnrollOptions::new(0.1) };
+    let mut answer = torse::unroll(&model, &options, &Control::default()).expect("an answer");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    assert!(!files.contains_key("bend_table.csv") && files.contains_key("bends.csv"));
+    let map = read_map(&|n: &str| files.get(n).cloned(), None, None).expect("a map");
+    assert_eq!((map.parts.len(), map.left.len()), (answer.patterns().len(), 0), "{:?}", map.left);
+}
+
 /// Cones up to their tips: the tip is a corner of the flat part, about which the sheet turns, or lies a hair inside it where it is
 /// flat nearly all round. Rings of cones: their corners lie on circles, and tell where the slit is only together with its sides.
 #[test]
@@ -336,18 +348,6 @@ fn places_on_borders_are_on_the_part() {
     }
 }
 
-#[test]
-fn points_and_curves_go_there_and_back() {
-    let files = &cone().0;
-    let file = |n: &str| files.get(n).cloned();
-    let map = read_map(&file, None, None).expect("a map");
-    let space: Vec<(usize, Vec3)> = (1..9)
-        .map(|k| {
-            // On the cone, in the middle of its height.
-            let a = 0.15 * k as f64;
-            (k, Vec3::new(160.0 * a.cos(), 160.0 * a.sin(), 75.0))
-        })
-        .chain([(9, Vec3::new(500.0, 0.0, 0.0))])
 /// Something of a drawing.
 fn drawn(name: &str, shape: Shape) -> Item {
     let style = Style { layer: "logo".into(), colour: Some(3) };
@@ -424,6 +424,18 @@ fn rings_points_and_texts_come_back_as_they_were() {
     assert!(far.placed.is_empty() && far.off.is_some_and(|o| o.length == 0.0 && o.farthest > 1e3));
 }
 
+#[test]
+fn points_and_curves_go_there_and_back() {
+    let files = &cone().0;
+    let file = |n: &str| files.get(n).cloned();
+    let map = read_map(&file, None, None).expect("a map");
+    let space: Vec<(usize, Vec3)> = (1..9)
+        .map(|k| {
+            // On the cone, in the middle of its height.
+            let a = 0.15 * k as f64;
+            (k, Vec3::new(160.0 * a.cos(), 160.0 * a.sin(), 75.0))
+        })
+        .chain([(9, Vec3::new(500.0, 0.0, 0.0))])
         .collect();
     let flat = map.points(&space, Side::Flat);
     assert!(flat[..8].iter().all(|r| r.part == map.parts[0].name && r.distance < 0.1), "{flat:?}");

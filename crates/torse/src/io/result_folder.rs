@@ -108,8 +108,9 @@ pub fn read(file: &dyn Fn(&str) -> Option<Vec<u8>>) -> Result<ResultFolder, Fold
     };
     let bends = match file("bend_table.csv") {
         Some(bytes) => sheet_bends(&String::from_utf8_lossy(&bytes)).map_err(|r| fault("bend_table.csv", r))?,
-        None if report.job == "unroll" && pieces.iter().any(|p| !p.rulings.is_empty()) => {
-            return Err(fault("bend_table.csv", "it is missing; the parts have bend lines".into()));
+        // Panels that cover faces have bend lines and no bends of sheet.
+        None if drawn.iter().any(|p| !p.sheet_bends.is_empty()) => {
+            return Err(fault("bend_table.csv", "it is missing; report.json has bends of sheet".into()));
         }
         None => Vec::new(),
     };

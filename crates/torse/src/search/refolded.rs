@@ -361,6 +361,15 @@ const UNEVEN: f64 = 5e-6;
 /// Parts of a span at most where they are.
 const MOST_PARTS: f64 = 16.0;
 
+/// Whether rulings of a part are straight in the parameters of their panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Straight {
+    /// They are taken for straight.
+    Taken,
+    /// They are not where rulings of the panel lie across them.
+    Not,
+}
+
 /// Rulings with what is on them of the part, and where they are on their panel.
 struct Seated {
     ribbon: Ribbon,
@@ -373,12 +382,13 @@ impl Seated {
         ribbon: Ribbon,
         (loops, size): (&[Vec<Vec2>], f64),
         (atlas, panel): (&Atlas, usize),
+        straight: Straight,
     ) -> Result<Self, NotRefolded> {
         let tip = Tip::of(size, &ribbon, atlas, panel);
         let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
         let mut lines = lines.ok_or(NotRefolded::Beyond)?;
         let ribbon = ended(ribbon, &mut lines);
-        let places = places(&ribbon.spans, &lines, (atlas, panel), tip.as_ref());
+        let places = places(&ribbon.spans, &lines, (atlas, panel), (tip.as_ref(), straight));
         Ok(Self { ribbon, lines, places })
     }
 
@@ -393,7 +403,8 @@ impl Seated {
         let count = |(k, span): (usize, &Span)| {
             let off = |share: f64, v: f64| {
                 let [a, b] = [&self.places[k], &self.places[k + 1]];
-                let at = |d: usize| (1.0 - share) * (a.at[d] + a.slope[d] * v) + share * (b.at[d] + b.slope[d] * v);
+                let (a, b) = (a.place(v), b.place(v));
+                let at = |d: usize| (1.0 - share) * a[d] + share * b[d];
                 surface.point(at(0), at(1)) - span.space.moved(&span.in_space, share).point(v, 0.0)
             };
             let sag = |v: f64| (off(0.5, v) - (off(0.0, v) + off(1.0, v)) * 0.5).norm();
@@ -404,24 +415,33 @@ impl Seated {
     }
 }
 
-/// Judges the spans of one panel.
-fn assessed(
+/// Judges the spans of one panel; where places on it fold that are quadratic along rulings, with linear ones.
+fn assessed(part: &FlatPart, share: Share, given: (&Atlas, &Control)) -> Result<UpperBound, NotRefolded> {
+    match assessed_as(part, share.clone(), given, Straight::Not) {
+        Err(NotRefolded::Unshown(Unshown::Folds)) => assessed_as(part, share, given, Straight::Taken),
+        found => found,
+    }
+}
+
+fn assessed_as(
     part: &FlatPart,
     Share { ribbon, panel, loops }: Share,
     (atlas, control): (&Atlas, &Control),
+    straight: Straight,
 ) -> Result<UpperBound, NotRefolded> {
     let size = part.size();
-    let mut seated = Seated::new(reaching(ribbon, &loops, REACHES * size), (&loops, size), (atlas, panel))?;
+    let ribbon = reaching(ribbon, &loops, REACHES * size);
+    let mut seated = Seated::new(ribbon, (&loops, size), (atlas, panel), straight)?;
     let parts = seated.parts(&atlas.panels[panel].panel.surface, UNEVEN * size);
     if parts.iter().any(|n| *n > 1) && !control.stopped() {
-        seated = Seated::new(seated.ribbon.parted(&parts), (&loops, size), (atlas, panel))?;
+        seated = Seated::new(seated.ribbon.parted(&parts), (&loops, size), (atlas, panel), straight)?;
     }
     let Seated { ribbon, lines, places } = seated;
     let spans = &ribbon.spans[..];
     let panel = &atlas.panels[panel].panel;
     let on_patch = |p: &Piece, [s, v]: [f64; 2]| {
-        let at = |k: usize, d: usize| places[p.span + k].at[d] + places[p.span + k].slope[d] * v;
-        let of = |d: usize| (1.0 - s) * at(0, d) + s * at(1, d);
+        let [a, b] = [0, 1].map(|k: usize| places[p.span + k].place(v));
+        let of = |d: usize| (1.0 - s) * a[d] + s * b[d];
         Vec2::new(of(0), of(1))
     };
     let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
@@ -585,8 +605,13 @@ fn creases(knots: &Knots) -> Vec<(f64, f64)> {
 /// No stretch of a ruling.
 const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// Where the rulings of spans are on their panel: by the flat image of two of their points.
-fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, panel): (&Atlas, usize), tip: Option<&Tip>) -> Vec<Along> {
+/// Where the rulings of spans are on their panel: by the flat image of two of their points, and of the one between them.
+fn places(
+    spans: &[Span],
+    lines: &[Vec<Piece>],
+    (atlas, panel): (&Atlas, usize),
+    (tip, along): (Option<&Tip>, Straight),
+) -> Vec<Along> {
     let n = spans.len();
     let (mut reach, mut beside) = (vec![NOTHING; n + 1], vec![NOTHING; n + 1]);
     for p in lines.iter().flatten() {
@@ -616,16 +641,23 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, panel): (&Atlas, usize),
             (a, b) = (middle - 0.5 * SHORT * size, middle + 0.5 * SHORT * size);
         }
         // Beside a tip the least shift of the drawing is another ruling.
-        if let Some(t) = tip.map(|tip| (tip.at - pose.at.xy()).dot(&pose.ruling().xy())) {
+        let beside_tip = tip.map(|tip| (tip.at - pose.at.xy()).dot(&pose.ruling().xy()));
+        if let Some(t) = beside_tip {
             let far = if (a - t).abs() > (b - t).abs() { a } else { b };
             (a, b) = (far, 0.5 * (far + t));
         }
-        let [p, q] = [a, b].map(|v| atlas.on_panel(panel, &pose.point(v, 0.0).xy()));
-        let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
-        let found = Along { at: [0, 1].map(|d: usize| p[d] - slope[d] * a), slope };
+        let middle = 0.5 * (a + b);
+        let [p, m, q] = [a, middle, b].map(|v| atlas.on_panel(panel, &pose.point(v, 0.0).xy()));
         // What is on a crease but for rounding must not cross it.
         let crease = creases.iter().find(|(t, hair)| (p[0] - t).abs() <= *hair && (q[0] - t).abs() <= *hair);
-        crease.map_or(found, |(t, _)| Along { at: [*t, found.at[1]], slope: [0.0, slope[1]] })
+        let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
+        let rest = |d: usize| 4.0 * (0.5 * (p[d] + q[d]) - m[d]) / ((b - a) * (b - a));
+        let bend = if along == Straight::Not && beside_tip.is_none() { [0, 1].map(rest) } else { [0.0; 2] };
+        // Through the places at both ends and in the middle.
+        let slope = [0, 1].map(|d: usize| slope[d] - bend[d] * (a + b));
+        let found = Along { at: [0, 1].map(|d: usize| p[d] - (slope[d] + bend[d] * a) * a), slope, bend };
+        let on_crease = |t: f64| Along { at: [t, found.at[1]], slope: [0.0, slope[1]], bend: [0.0, found.bend[1]] };
+        crease.map_or(found, |(t, _)| on_crease(*t))
     };
     (0..=n).into_par_iter().map(place).collect()
 }

@@ -15,6 +15,7 @@ use std::ops::Range;
 pub(super) const ON_RULING: f64 = 1e-5;
 
 /// What of a region belongs to one panel.
+#[derive(Clone)]
 pub(super) struct Share {
     /// Its rulings.
     pub ribbon: Ribbon,
