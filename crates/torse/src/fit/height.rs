@@ -31,4 +31,9 @@ impl<'a> Height<'a> {
         let along = |guess: f64| on_normal(x, n, self.torse, guess).map(|(_, y)| n.dot(&(y - x)));
         along(guess).or_else(|| along(self.power_form.nearest_foot(&q)?)).filter(|h| h.is_finite())
     }
+
+    /// Whether both are heights of one torse.
+    pub fn is_of_the_torse_of(&self, other: &Self) -> bool {
+        self.torse == other.torse
+    }
 }

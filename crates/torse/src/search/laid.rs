@@ -23,6 +23,7 @@ pub(super) struct Task<'a> {
 }
 
 /// A cover as panels.
+#[derive(Clone)]
 pub(super) struct Laid {
     pub state: State,
     pub built: Built,

@@ -9,13 +9,16 @@
 //! *Not guaranteed*: the fewest panels that could be; where no way fits, the one that misses the sheet with the fewest
 //! panels.
 
-use super::build::too_large;
-use super::cover::{cover, exact_regions, exactly, is_developable, meridian, CoverOptions, SeamPlane};
+use super::build::{build_on, smooth_borders, too_large, Built, Joined};
+use super::cover::{cover, exact_regions, exactly, is_developable, meridian, CoverOptions, SeamPlane, State};
 use super::laid::{Laid, Task};
+use super::stitch::parts::Wholes;
 use crate::brep::meridian::Meridian;
 use crate::brep::recognised_surface::bounds;
+use crate::certify;
 use crate::geom::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Rounds of cutting panels that are still too large, at most: some no cut makes fit.
 const ROUNDS: usize = 8;
@@ -26,13 +29,28 @@ const MOST_SECTIONS: usize = 64;
 /// Cosine of the angle within which an axis of the model is taken for the direction across which sections run: about 15°.
 const NEAR_AXIS: f64 = 0.966;
 
-/// Panels that fit, of a cover some of whose panels do not.
-pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
-    if is_developable(task.face, task.options.tolerance) {
-        return gridded(task).unwrap_or_else(|| cut_until_it_fits(task, laid));
+/// Panels that fit.
+pub(super) struct Fitted {
+    pub laid: Laid,
+    /// Covers in panels of which these are parts, or could be: theirs first, each with planes that part it. None where panels are
+    /// no parts, or meet anyhow.
+    pub wholes: Vec<(Laid, Vec<SeamPlane>)>,
+}
+
+impl Fitted {
+    fn of(task: &Task, whole: Laid) -> Self {
+        Self { laid: cut_until_it_fits(task, whole.clone()), wholes: vec![(whole, Vec::new())] }
     }
-    if let Some(petals) = petals(task, &laid) {
-        return petals;
+}
+
+/// Panels that fit, of a cover some of whose panels do not.
+pub(super) fn fitted(task: &Task, laid: Laid) -> Fitted {
+    if is_developable(task.face, task.options.tolerance) {
+        let laid = gridded(task).unwrap_or_else(|| cut_until_it_fits(task, laid));
+        return Fitted { laid, wholes: Vec::new() };
+    }
+    if let Some(laid) = petals(task, &laid) {
+        return Fitted { laid, wholes: Vec::new() };
     }
     let planes = sections(task, &laid);
     let lined_up = planes.iter().find_map(|planes| {
@@ -42,28 +60,123 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
         let cut = cut_until_it_fits(task, cut);
         fits(task, &cut).then_some(cut)
     });
-    let mut best = cut_until_it_fits(task, laid);
+    let mut best = Fitted::of(task, laid);
     // Joints in line are worth as many panels.
     if let Some(next) = lined_up {
-        if rank(task, &next) <= rank(task, &best) {
-            best = next;
+        if rank(task, &next) <= rank(task, &best.laid) {
+            best.wholes.iter_mut().for_each(|w| w.1.clone_from(&next.seams));
+            best.laid = next;
         }
     }
     for seams in planes {
-        let count = best.built.patchwork.panels.len();
-        if task.control.stopped() || (fits(task, &best) && count <= seams.len() + 1) {
+        let count = best.laid.built.patchwork.panels.len();
+        if task.control.stopped() || (fits(task, &best.laid) && count <= seams.len() + 1) {
             break;
         }
         let options = CoverOptions { max_panels: task.options.max_panels.min(count), ..task.options_with(&seams) };
         let Ok(found) = cover(task.face, &options, task.control) else { break };
         if found.complete {
-            let next = cut_until_it_fits(task, task.laid(found.state, seams));
-            if rank(task, &next) < rank(task, &best) {
+            let whole = task.laid(found.state, seams);
+            // Parts will be as many at least.
+            if fits(task, &best.laid) && least_parts(task, &whole) >= count {
+                continue;
+            }
+            let mut next = Fitted::of(task, whole);
+            if rank(task, &next.laid) < rank(task, &best.laid) {
+                next.wholes.extend(best.wholes.pop());
                 best = next;
             }
         }
     }
     best
+}
+
+/// Panels that meet, cut along planes and then each for itself until they fit, as parts that meet where the panels do. `state` has
+/// their torses. `None` where parts do not fit, or cannot be proven.
+pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[SeamPlane]) -> Option<(State, Built)> {
+    let mut parts = state.clone();
+    for plane in planes {
+        for label in parts.partition.distinct_labels() {
+            let height = |[u, v]: [f64; 2]| plane.height(&task.face.surface.point(u, v));
+            let vertices = parts.partition.region_vertices(label).into_iter();
+            let heights: Vec<f64> = vertices.map(|v| plane.height(&parts.jets[v as usize].jet.p)).collect();
+            // Panels that end at a plane are not cut.
+            let crosses = [1.0, -1.0].iter().all(|side| heights.iter().any(|h| side * h > task.whole));
+            if let Some((cut, _)) = crosses.then(|| parts.cut_by(label, height)).flatten() {
+                parts = cut;
+            }
+        }
+    }
+    let mut counts = Counts::of(&parts);
+    parts = counts.base.clone();
+    let known = certify::known_of(&built.certificate, &built.patchwork);
+    let wholes = Wholes { face: task.face, state, panels: &built.patchwork };
+    if parts.panels.len() == state.panels.len() {
+        let large = too_large(built, &task.options.limits);
+        if large.is_empty() {
+            return Some((parts, built.clone()));
+        }
+        parts = counts.more(&parts, &large)?;
+    }
+    for _ in 0..ROUNDS {
+        parts = wholes.settled(&parts);
+        let partition =
+            smooth_borders(task.face, parts.partition.clone(), task.whole, |labels| wholes.is_cut(&parts, labels));
+        parts = parts.with_partition(partition);
+        let joined = Joined { edges: &wholes.edges(&parts), known: &known };
+        let (next, refused) = build_on(task.index, task.face, &parts, (task.whole, task.control), joined);
+        if !refused.is_empty() || task.control.stopped() || next.patchwork.panels.len() > task.options.max_panels {
+            return None;
+        }
+        let large = too_large(&next, &task.options.limits);
+        if large.is_empty() {
+            return Some((parts, next));
+        }
+        parts = counts.more(&parts, &large)?;
+    }
+    None
+}
+
+/// Into how many parts regions are cut.
+struct Counts {
+    base: State,
+    /// Along and across, by region.
+    counts: BTreeMap<u32, [usize; 2]>,
+}
+
+impl Counts {
+    /// Regions in one part.
+    fn of(base: &State) -> Self {
+        // Parts are told by the fit that they share with their region, those that planes have cut too.
+        let mut base = base.clone();
+        base.panels.values_mut().for_each(|fit| *fit = Arc::new((**fit).clone()));
+        Self { base, counts: BTreeMap::new() }
+    }
+
+    fn whole_of(&self, parts: &State, part: u32) -> Option<u32> {
+        let fit = parts.panels.get(&part)?;
+        self.base.panels.iter().find(|(_, f)| Arc::ptr_eq(f, fit)).map(|(whole, _)| *whole)
+    }
+
+    /// The regions in equal parts, more of those whose parts are too large; `None` where such a part is of no region.
+    fn more(&mut self, parts: &State, large: &[(u32, [usize; 2])]) -> Option<State> {
+        let mut wanted: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
+        for (part, parts_of) in large {
+            let most = wanted.entry(self.whole_of(parts, *part)?).or_insert([1, 1]);
+            *most = [0, 1].map(|k: usize| most[k].max(parts_of[k]));
+        }
+        for (whole, wanted) in wanted {
+            let count = self.counts.entry(whole).or_insert([1, 1]);
+            let k = usize::from(wanted[0] < 2);
+            count[k] = if count[k] == 1 { wanted[k] } else { count[k] + 1 };
+        }
+        let along: Vec<(u32, [usize; 2])> =
+            self.counts.iter().map(|(l, n)| (*l, [n[0], 1])).filter(|c| c.1[0] > 1).collect();
+        let cut = self.base.cut_large(&along);
+        let across = |part: &u32| Some((*part, [1, self.counts.get(&self.whole_of(&cut, *part)?)?[1]]));
+        let across: Vec<(u32, [usize; 2])> = cut.panels.keys().filter_map(across).filter(|c| c.1[1] > 1).collect();
+        Some(cut.cut_large(&across))
+    }
 }
 
 /// A developable face cut along parameter lines, in the fewest fields that fit; `None` if none do.
@@ -220,6 +333,12 @@ impl Line {
     }
 }
 
+/// Panels, and into how many parts each must be cut, as far as their sizes tell.
+fn least_parts(task: &Task, laid: &Laid) -> usize {
+    let more = too_large(&laid.built, &task.options.limits).into_iter().map(|l| l.1[0] * l.1[1] - 1);
+    laid.built.patchwork.panels.len() + more.sum::<usize>()
+}
+
 fn fits(task: &Task, laid: &Laid) -> bool {
     laid.accepted && too_large(&laid.built, &task.options.limits).is_empty()
 }
@@ -231,6 +350,8 @@ fn rank(task: &Task, laid: &Laid) -> (bool, usize, usize) {
 
 /// Cuts panels that are too large, each into equal parts.
 fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
+    let mut counts = Counts::of(&laid.state);
+    laid.state = counts.base.clone();
     for _ in 0..ROUNDS {
         let large = too_large(&laid.built, &task.options.limits);
         let more: usize = large.iter().map(|l| l.1.iter().max().map_or(0, |m| m - 1)).sum();
@@ -238,7 +359,9 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
         if large.is_empty() || !laid.accepted || task.control.stopped() || panels > task.options.max_panels {
             break;
         }
-        laid = task.laid(laid.state.cut_large(&large), laid.seams);
+        // Parts that were refused, and have torses of their own now, are cut each for itself.
+        let cut = counts.more(&laid.state, &large).unwrap_or_else(|| laid.state.cut_large(&large));
+        laid = task.laid(cut, laid.seams);
     }
     laid
 }

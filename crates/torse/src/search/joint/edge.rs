@@ -141,11 +141,16 @@ fn turned_to(places: &mut [Place], last: bool, point: &Vec3) {
     if aside.iter().all(|x| x.is_finite()) {
         let there = way(&places[k]).max(0.0);
         for p in places {
-            // Smooth to second order at both ends; all of it where the point is, and beyond.
-            let t = ((way(p) - there) / TURNING).clamp(0.0, 1.0);
-            p.x += aside * (1.0 - t * t * t * (10.0 - 15.0 * t + 6.0 * t * t));
+            p.x += aside * turning(way(p) - there);
         }
     }
+}
+
+/// Share by which an edge turns to the point in which it ends, at a share of its way from there: all at the point and beyond, none
+/// from [`TURNING`] on, smooth to second order at both ends.
+pub(crate) fn turning(way: f64) -> f64 {
+    let t = (way / TURNING).clamp(0.0, 1.0);
+    1.0 - t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
 }
 
 /// Lets places that end a little before a point ahead of them end there: a strip may end just beyond its line, and three strips

@@ -34,6 +34,7 @@ use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use crate::torse::form::Torse;
 pub(crate) use asked::{Asked, BorderCounts};
+pub(crate) use edge::turning;
 use edge::{Edge, Junction};
 use fleet::Fleet;
 pub(crate) use fleet::Meeting;

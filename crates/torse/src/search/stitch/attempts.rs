@@ -103,12 +103,13 @@ enum Moving<'a> {
     Accepted(&'a Built),
 }
 
-/// The same panels, with the labels of those whose flat patterns are not proven, laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
+/// The same panels, with the labels of those whose flat patterns are not proven, laid anew so that neighbours meet, as far as that
+/// can be certified; as they are where it cannot. Asked for are what covers are, and what other numbers of strips may be tried.
 pub(crate) fn met(
     index: usize,
     (face, state): (&Face, &State),
     (built, unproven): (Built, BTreeSet<u32>),
-    wanted: &CoverOptions,
+    (wanted, recounts): (&CoverOptions, &[Recount]),
     control: &Control,
 ) -> Built {
     let tolerance = built.certificate.tolerance;
@@ -130,7 +131,7 @@ pub(crate) fn met(
     if attempts.is_end_to_end(state) {
         attempts.intersect(state);
     }
-    if attempts.recounted(state, Recount::Less) {
+    if recounts.contains(&Recount::Less) && attempts.recounted(state, Recount::Less) {
         return attempts.best;
     }
     // Borders that the program has left open are moved at once, which may spare its next solution; those of the cover only where
@@ -139,7 +140,9 @@ pub(crate) fn met(
     if !moved {
         attempts.intersect(state);
     }
-    attempts.recounted(state, Recount::More);
+    if recounts.contains(&Recount::More) {
+        attempts.recounted(state, Recount::More);
+    }
     attempts.best
 }
 
@@ -560,7 +563,7 @@ fn torses(built: &Built) -> BTreeMap<u32, &Torse> {
 }
 
 /// How far panels are from meeting: a gap of the tolerance counts one, every seam that is not exact a little besides.
-fn openness(built: &Built) -> f64 {
+pub(crate) fn openness(built: &Built) -> f64 {
     const EACH: f64 = 0.1;
     let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
     open.map(|s| EACH + s.gap_bound / built.certificate.tolerance).sum()
@@ -573,7 +576,7 @@ fn open(built: &Built) -> Vec<[u32; 2]> {
 }
 
 /// Labels on both sides of edges that end in one vertex of the borders, but in different points.
-fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
+pub(super) fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
     let chains = borders.seam_chains();
     // By vertex: the point, bit by bit, and the labels.
     type End = ([u64; 3], [u32; 2]);
@@ -624,6 +627,18 @@ impl State {
         let lines: Vec<Line> = lines.iter().map(|l| Line { labels: l.labels, uv: &l.uv }).collect();
         let (u, v) = (self.surface.knots_u.breaks(), self.surface.knots_v.breaks());
         Ok(self.with_partition(self.partition.redrawn(&lines, [&u, &v])?))
+    }
+
+    /// The state of panels that may have other labels than this one.
+    pub(crate) fn of_panels(&self, built: &Built) -> Option<State> {
+        let mut out = self.with_partition(built.patchwork.partitions.first()?.clone());
+        out.bands.clear();
+        let fit = |p: &Panel| {
+            let (trim, kind, error) = (p.trim.as_ref()?, p.strip.kind, built.certificate.tolerance);
+            Some((trim.label, Arc::new(Fit { torse: trim.form.torse()?.clone(), kind, error, worst: 0 })))
+        };
+        out.panels = built.patchwork.panels.iter().map(fit).collect::<Option<_>>()?;
+        Some(out)
     }
 
     /// The state with the torses and the partition of panels.

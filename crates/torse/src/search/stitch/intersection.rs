@@ -14,7 +14,7 @@ use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders as borders_of;
 use crate::search::cover::State;
-use crate::search::joint::whole_borders;
+use crate::search::joint::{turning, whole_borders};
 use crate::spline::curve::Curve;
 use crate::spline::lsq;
 use crate::torse::form::Torse;
@@ -34,6 +34,8 @@ const LEAST_ANGLE: f64 = 0.002;
 const PLACES: (usize, usize) = (6, 1500);
 /// Distance between the edge in space and the intersection as a share of its length, wanted and allowed.
 pub(super) const EDGE: (f64, f64) = (1e-8, 1e-6);
+/// Distance of a cut through one torse from the border as a share of its length, wanted and allowed, and spans of it at most.
+const SMOOTH: (f64, f64, usize) = (1e-4, 1e-3, 16);
 /// Degree of edges, and spans at most.
 pub(super) const CURVE: (usize, usize) = (5, 480);
 
@@ -139,6 +141,12 @@ impl<'a> Intersections<'a> {
         self.gap(borders, chain, state).is_some_and(|gap| gap <= EDGE.1 * chain.length)
     }
 
+    /// Whether two strips are parts of one torse, which do not intersect: any border between them is an edge of both.
+    fn is_one_torse(&self, [a, b]: [u32; 2]) -> bool {
+        let [a, b] = [a, b].map(|l| self.heights.get(&l));
+        a.zip(b).is_some_and(|(a, b)| a.is_of_the_torse_of(b))
+    }
+
     /// The vertices in which borders end inside the face, with the point that their labels have in common.
     fn common_points(&self, chains: &[SeamChain]) -> BTreeMap<u32, Vec3> {
         let mut labels: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
@@ -227,8 +235,9 @@ impl<'a> Intersections<'a> {
             let before = left.len();
             left.retain(|&p| {
                 let of: Vec<&SeamChain> = chains.iter().filter(|c| pair(c.labels) == p).collect();
-                if of.len() > 1 && of.iter().all(|c| self.is_level(&borders, c, &now)) {
-                    // As around a hole it has several parts, and lies where it should.
+                let lies_there = of.len() > 1 || self.is_one_torse(p);
+                if lies_there && of.iter().all(|c| self.is_level(&borders, c, &now)) {
+                    // As around a hole it has several parts, or it parts one torse, and lies where it should.
                     moved.push(p);
                     return false;
                 }
@@ -271,24 +280,38 @@ impl<'a> Intersections<'a> {
 
     /// Edges of these borders, and the pairs for which there is none.
     pub fn edges(&self, state: &State, borders: &Borders, pairs: &[[u32; 2]]) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
+        self.edges_through(&self.common_points(&borders.seam_chains()), state, borders, pairs)
+    }
+
+    /// The same, with the points in which edges must end at vertices.
+    pub fn edges_through(
+        &self,
+        points: &BTreeMap<u32, Vec3>,
+        state: &State,
+        borders: &Borders,
+        pairs: &[[u32; 2]],
+    ) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
         let chains = borders.seam_chains();
         let (mut edges, mut spoilt) = (Vec::new(), Vec::new());
-        let points = self.common_points(&chains);
-        for &p in pairs {
-            if let Some(known) = self.known.get(&p) {
-                // A border with corners has several chains.
-                let of = chains.iter().filter(|c| pair(c.labels) == p);
-                let parts = of.map(|c| self.pair(borders, c.labels)?.known_edge(known, state, c, &points));
-                match parts.collect::<Option<Vec<SharedSeam>>>() {
-                    Some(parts) => edges.extend(parts),
-                    None => spoilt.push(p),
+        let mut ends =
+            Ends { points: HashMap::default(), reach: EDGE.1 * chains.iter().map(|c| c.length).fold(0.0, f64::max) };
+        let mut pairs: Vec<(bool, [u32; 2])> = pairs.iter().map(|p| (self.known.contains_key(p), *p)).collect();
+        pairs.sort_by_key(|p| !p.0);
+        for (is_known, p) in pairs {
+            let mut edge = |c: &SeamChain| {
+                let strips = self.pair(borders, c.labels)?;
+                let Some(known) = strips.known else { return strips.edge(state, c, &mut ends) };
+                let edge = strips.known_edge(known, state, c, points)?;
+                for (v, x) in
+                    [(c.vertices.first(), edge.edge.control.first()), (c.vertices.last(), edge.edge.control.last())]
+                {
+                    ends.points.insert(*v?, Vec3::from(*x?));
                 }
-                continue;
-            }
-            // A border around a hole has several chains, too.
-            let of = chains.iter().filter(|c| pair(c.labels) == p);
-            let parts = of.map(|c| self.pair(borders, c.labels)?.edge(state, c));
-            match parts.collect::<Option<Vec<SharedSeam>>>().filter(|parts| !parts.is_empty()) {
+                Some(edge)
+            };
+            // A border with corners has several chains, one around a hole too.
+            let parts = chains.iter().filter(|c| pair(c.labels) == p).map(&mut edge);
+            match parts.collect::<Option<Vec<SharedSeam>>>().filter(|parts| is_known || !parts.is_empty()) {
                 Some(parts) => edges.extend(parts),
                 None => spoilt.push(p),
             }
@@ -300,6 +323,13 @@ impl<'a> Intersections<'a> {
         let [a, b] = labels.map(|l| self.heights.get(&l));
         Some(Pair { face: self.face, borders, heights: [a?, b?], known: self.known.get(&pair(labels)) })
     }
+}
+
+/// Points in which edges end, by vertex.
+struct Ends {
+    points: HashMap<u32, Vec3>,
+    /// Edges that would end within this distance (mm) of such a point end in it: edges on two strips are within that of both.
+    reach: f64,
 }
 
 /// Two strips beside a border.
@@ -442,23 +472,44 @@ impl Pair<'_> {
     }
 
     /// The curve in space along which the strips intersect, over a border whose vertices lie there. Inside, places are
-    /// looked for anew: vertices on crossings of knot lines cannot be moved.
-    fn edge(&self, state: &State, chain: &SeamChain) -> Option<SharedSeam> {
+    /// looked for anew: vertices on crossings of knot lines cannot be moved; the border between parts of one torse lies anywhere on
+    /// it. Edges that end in one vertex end in one point, of those in `ends`, which grow.
+    fn edge(&self, state: &State, chain: &SeamChain, ends: &mut Ends) -> Option<SharedSeam> {
         let line = &chain.vertices;
         let at = |v: u32| state.partition.vertices[v as usize];
         let lifted = |p: [f64; 2]| self.at(p).map(|(x, n, [a, b])| x + n * (0.5 * (a + b)));
         let parts = PLACES.0.max(PLACES.1 / line.len());
         let count = parts * (line.len() - 1);
-        let points: Vec<[f64; 3]> = (0..=count)
-            .into_par_iter()
+        let places: Vec<[f64; 2]> = (0..=count)
             .map(|i| {
                 let (k, share) = (i / parts, (i % parts) as f64 / parts as f64);
                 let (p, q) = (at(line[k]), at(line[(k + 1).min(line.len() - 1)]));
-                let here = [0, 1].map(|d: usize| p[d] + (q[d] - p[d]) * share);
-                let here = if i == 0 || i == count { here } else { self.onto(here, [false; 2])? };
-                lifted(here).map(Into::into)
+                [0, 1].map(|d: usize| p[d] + (q[d] - p[d]) * share)
+            })
+            .collect();
+        let is_one_torse = self.heights[0].is_of_the_torse_of(self.heights[1]);
+        let places = if is_one_torse { self.smoothed(places, chain.length)? } else { places };
+        let mut points: Vec<[f64; 3]> = places
+            .into_par_iter()
+            .enumerate()
+            .map(|(i, here)| {
+                let stays = is_one_torse || i == 0 || i == count;
+                lifted(if stays { here } else { self.onto(here, [false; 2])? }).map(Into::into)
             })
             .collect::<Option<_>>()?;
+        for (v, is_last) in [(*line.first()?, false), (*line.last()?, true)] {
+            let at = if is_last { count } else { 0 };
+            let here = Vec3::from(points[at]);
+            let end = *ends.points.entry(v).or_insert(here);
+            let off = end - here;
+            if off.norm() <= ends.reach {
+                let way = |i: usize| (if is_last { count - i } else { i }) as f64 / count as f64;
+                for (i, x) in points.iter_mut().enumerate() {
+                    *x = (Vec3::from(*x) + off * turning(way(i))).into();
+                }
+                points[at] = end.into();
+            }
+        }
         let parameters = lsq::chord_parameters(&points);
         let fit = lsq::fit_within(&points, &parameters, CURVE.0, EDGE.0 * chain.length, CURVE.1).ok()?;
         let parameters = parameters.into_iter().step_by(parts).collect();
@@ -468,6 +519,26 @@ impl Pair<'_> {
 }
 
 impl Pair<'_> {
+    /// Places along a border of this length (mm) on a smooth line beside it: the border has the corners of the triangulation.
+    fn smoothed(&self, mut places: Vec<[f64; 2]>, length: f64) -> Option<Vec<[f64; 2]>> {
+        let [u, v] = *places.get(places.len() / 2)?;
+        let jet = self.face.surface.jet(u, v);
+        let scale = [jet.du.norm(), jet.dv.norm()];
+        let scaled: Vec<[f64; 2]> = places.iter().map(|p| [p[0] * scale[0], p[1] * scale[1]]).collect();
+        let parameters = lsq::chord_parameters(&scaled);
+        let fit = lsq::fit_within(&scaled, &parameters, CURVE.0, SMOOTH.0 * length, SMOOTH.2).ok()?;
+        if fit.error > SMOOTH.1 * length {
+            return Some(places);
+        }
+        let line = fit.curve;
+        let last = places.len() - 1;
+        for (p, s) in places[1..last].iter_mut().zip(&parameters[1..last]) {
+            let x = line.point(*s);
+            *p = [x[0] / scale[0], x[1] / scale[1]];
+        }
+        places.iter().flatten().all(|x| x.is_finite()).then_some(places)
+    }
+
     /// The part of a known edge over a border, from and to the points in common.
     fn known_edge(
         &self,

@@ -3,4 +3,5 @@
 pub(crate) mod across;
 pub(crate) mod attempts;
 pub(crate) mod intersection;
+pub(crate) mod parts;
 pub(crate) mod seams;
