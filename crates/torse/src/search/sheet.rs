@@ -5,6 +5,7 @@
 //! itself, where strips may run another way. The fewest panels that all fit win. Faces that are developable already are
 //! cut along their parameter lines, equally far apart on the flat pattern; cones about the axis of a face of revolution
 //! into equal sectors. Pieces of a good panel are good panels: only the cuts are new, and the judge sees all of them again.
+//! Where panels are to meet they do before they are cut ([`parted`]), and their parts do too.
 //!
 //! *Not guaranteed*: the fewest panels that could be; where no way fits, the one that misses the sheet with the fewest
 //! panels.

@@ -1,4 +1,4 @@
-//! Neighbouring panels that meet: all strips changed together, and borders under their edges or where strips intersect.
+//! Neighbouring panels that meet: all strips changed together, borders under their edges or where strips intersect, and parts of them.
 
 pub(crate) mod across;
 pub(crate) mod attempts;
