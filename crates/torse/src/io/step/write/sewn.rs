@@ -61,15 +61,18 @@ fn sewn(
     let whole = titled(&format!("{first}..{last}"), panels.iter().any(|p| p.1));
     let mut shell = Shell { name: whole, ..Shell::default() };
     let mut vertices: HashMap<[u64; 3], usize> = HashMap::new();
-    let mut edges: HashMap<u32, usize> = HashMap::new();
-    for &(panel, marked) in panels {
+    let mut edges: HashMap<u32, (usize, usize)> = HashMap::new();
+    for (index, &(panel, marked)) in panels.iter().enumerate() {
         let turned = reversed(panel);
         let mut loops = Vec::with_capacity(panel.loops().len());
         for runs in panel.loops() {
             let mut uses = Vec::with_capacity(runs.len());
             for run in runs.iter().filter(|r| !r.is_point()) {
                 let seam = shared(&run.border);
-                if let Some((&edge, against)) = seam.and_then(|(s, t)| Some((edges.get(&s)?, t))) {
+                let first = seam.and_then(|(s, against)| Some((edges.get(&s)?, against)));
+                // The ends of a panel that goes all round keep an edge each: Open CASCADE takes a face on a surface that does
+                // not close, but uses one edge twice, for another one.
+                if let Some((&(edge, _), against)) = first.filter(|f| f.0 .1 != index) {
                     // The other side came first and gave the edge its direction.
                     let trim = if against { run.trim.reversed() } else { run.trim.clone() };
                     uses.push(EdgeUse { edge, forward: turned == against, trim: Some(trim) });
@@ -85,7 +88,7 @@ fn sewn(
                 let (start, end) = (vertex(run.edge.control.first()), vertex(run.edge.control.last()));
                 let edge = shell.edges.len();
                 shell.edges.push(ShellEdge { start, end, curve: ShellCurve::Spline(run.edge.clone()) });
-                edges.extend(seam.map(|s| (s.0, edge)));
+                edges.extend(seam.map(|s| (s.0, (edge, index))));
                 uses.push(EdgeUse { edge, forward: !turned, trim: Some(run.trim.clone()) });
             }
             if turned {

@@ -66,12 +66,15 @@ pub(crate) struct Beside {
 /// `tolerance` in mm.
 pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, control: &Control) -> Across {
     let nothing = || Across { built: built.iter().map(|_| None).collect(), ..Across::default() };
-    if built.len() < 2 || control.stopped() {
+    if control.stopped() {
         return nothing();
     }
     let mut grounds: Vec<Ground> = built.iter().map(|b| ground(b)).collect();
     cut(&mut grounds, tolerance);
     let all = common(&grounds, tolerance);
+    if all.is_empty() {
+        return nothing();
+    }
     let known: Vec<Known> = built.par_iter().map(|b| known_of(&b.certificate, &b.patchwork)).collect();
     let attempt = Attempt { built, grounds, all, known, tolerance, limits, control, torses: Torses::of(built) };
     let mut refused = BTreeSet::new();
@@ -167,10 +170,16 @@ impl Attempt<'_> {
     fn seams(&self) -> Vec<Vec<InnerSeam>> {
         let of = |(b, g): (&&Built, &Ground)| {
             let borders = g.borders();
-            let shared: BTreeSet<usize> = kept(&b.patchwork, &borders).iter().map(|s| s.chain).collect();
+            let ends = |s: &SharedSeam| Some([*s.edge.control.first()?, *s.edge.control.last()?].map(Vec3::from));
+            let shared: BTreeMap<usize, Option<[Vec3; 2]>> =
+                kept(&b.patchwork, &borders).iter().map(|s| (s.chain, ends(s))).collect();
             let chains = borders.seam_chains().into_iter();
             chains
-                .map(|c| InnerSeam { shared: shared.contains(&c.chain), vertices: c.vertices, labels: c.labels })
+                .map(|c| InnerSeam {
+                    ends: shared.get(&c.chain).copied().flatten(),
+                    vertices: c.vertices,
+                    labels: c.labels,
+                })
                 .collect()
         };
         self.built.iter().zip(&self.grounds).map(of).collect()
@@ -180,7 +189,7 @@ impl Attempt<'_> {
     fn without_clashes(&self, corners: &Corners, seams: &[Vec<InnerSeam>]) -> Result<(), Vec<usize>> {
         let mut bad = Vec::new();
         for corner in &corners.all {
-            for &(face, seam, _) in corner.seams.iter().filter(|s| !seams[s.0][s.1].shared) {
+            for &(face, seam, _) in corner.seams.iter().filter(|s| seams[s.0][s.1].ends.is_none()) {
                 let of = |label: u32| {
                     corner.edges.iter().map(|e| e.0).find(|&e| {
                         let Common { faces, chains, .. } = &self.all[e];
@@ -277,8 +286,11 @@ impl Attempt<'_> {
 
     /// Seams inside faces that end in corners of common edges, ended there.
     fn ends(&self, corners: &Corners, seams: &[Vec<InnerSeam>], changes: &mut [Change]) -> Result<(), Vec<usize>> {
-        let touched: BTreeSet<usize> =
-            corners.all.iter().flat_map(|c| c.seams.iter().filter(|s| seams[s.0][s.1].shared).map(|s| s.0)).collect();
+        let touched: BTreeSet<usize> = corners
+            .all
+            .iter()
+            .flat_map(|c| c.seams.iter().filter(|s| seams[s.0][s.1].ends.is_some()).map(|s| s.0))
+            .collect();
         let mut bad = Vec::new();
         for face in touched {
             let borders = self.grounds[face].borders();
@@ -387,13 +399,13 @@ impl Attempt<'_> {
     /// their seams depend on.
     fn beside(&self, face: usize, made: &(Built, BTreeSet<u32>), wanted: &[usize], corners: &Corners) -> Vec<usize> {
         let (built, labels) = made;
-        let of = |e: &usize| {
+        let sides = |e: &usize| {
             let Common { faces, chains, .. } = &self.all[*e];
-            (0..2).find(|&k| faces[k] == face).map(|k| &chains[k])
+            faces.iter().zip(chains).filter(|(f, _)| **f == face).map(|(_, c)| c)
         };
         let mut out = Vec::new();
         for label in labels {
-            let own = wanted.iter().filter(|e| of(e).is_some_and(|c| c.label == *label));
+            let own = wanted.iter().filter(|e| sides(e).any(|c| c.label == *label));
             let k = built.patchwork.panels.iter().position(|p| p.label() == Some(*label));
             let place = k.and_then(|k| built.certificate.panels.get(k)?.too_far).map(|(uv, _)| {
                 let surface = &built.patchwork.faces[0].surface;
@@ -404,8 +416,8 @@ impl Attempt<'_> {
                 continue;
             };
             let away = |e: &usize| {
-                let points = of(e).map_or_else(Vec::new, |c| self.grounds[face].places(&c.vertices, 1));
-                points.iter().map(|p| (p - x).norm_squared()).fold(f64::INFINITY, f64::min)
+                let points = sides(e).flat_map(|c| self.grounds[face].places(&c.vertices, 1));
+                points.map(|p| (p - x).norm_squared()).fold(f64::INFINITY, f64::min)
             };
             out.extend(own.min_by(|a, b| away(a).total_cmp(&away(b))));
         }
@@ -414,7 +426,7 @@ impl Attempt<'_> {
             out.extend(ends.flat_map(|c| &c.edges).map(|e| e.0));
         }
         if out.is_empty() && !labels.is_empty() {
-            out.extend(wanted.iter().filter(|e| of(e).is_some()));
+            out.extend(wanted.iter().filter(|e| sides(e).next().is_some()));
         }
         out
     }
@@ -424,11 +436,15 @@ impl Attempt<'_> {
         if open.is_empty() {
             return;
         }
-        let beside = |(e, of): (usize, &Common)| Beside {
-            faces: of.faces,
-            open: open.contains(&e),
-            meetings: meetings(e, of, &self.grounds),
-            counts: counts(of, &self.grounds, &self.torses),
+        let beside = |(e, of): (usize, &Common)| {
+            // Where a face closes it does not turn.
+            let turns = of.faces[0] != of.faces[1];
+            Beside {
+                faces: of.faces,
+                open: open.contains(&e),
+                meetings: if turns { meetings(e, of, &self.grounds) } else { None },
+                counts: if turns { counts(of, &self.grounds, &self.torses) } else { None },
+            }
         };
         out.edges = self.all.par_iter().enumerate().map(beside).collect();
         let edges: Vec<usize> = (0..self.all.len()).collect();

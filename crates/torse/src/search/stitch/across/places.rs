@@ -60,6 +60,25 @@ impl Ground<'_> {
         self.parameters(vertices, parts).into_iter().map(normal).collect()
     }
 
+    /// Whether a border lies where the surface closes: at one end of its domain, with the other end in the same place within
+    /// `reach` (mm).
+    fn closes_along(&self, vertices: &[u32], reach: f64) -> bool {
+        let surface = &self.face.surface;
+        let (u, v) = surface.domain();
+        let domain = [u, v];
+        let places: Vec<[f64; 2]> = vertices.iter().map(|&v| self.partition.vertices[v as usize]).collect();
+        let other_end = |d: usize, x: f64| [domain[d].1, domain[d].0][usize::from(x == domain[d].1)];
+        (0..2).any(|d| {
+            let at_end = places.iter().all(|p| p[d] == domain[d].0) || places.iter().all(|p| p[d] == domain[d].1);
+            at_end
+                && places.iter().all(|p| {
+                    let mut q = *p;
+                    q[d] = other_end(d, p[d]);
+                    (surface.point(p[0], p[1]) - surface.point(q[0], q[1])).norm() <= reach
+                })
+        })
+    }
+
     /// Puts a vertex on an edge of the border of the face; result: its number.
     fn insert(&mut self, [a, b]: [u32; 2], share: f64) -> Option<u32> {
         let (p, q) = (self.partition.vertices[a as usize], self.partition.vertices[b as usize]);
@@ -86,8 +105,17 @@ struct BorderPolyline {
     /// Body of the face: what only touches another body is no edge of it.
     body: u32,
     chain: TrimChain,
+    /// Whether its face closes there.
+    closes: bool,
     points: Vec<Vec3>,
     bbox: BBox,
+}
+
+impl BorderPolyline {
+    /// Whether two may be both sides of an edge of the model: of two faces of one body, or where a face closes.
+    fn may_lie_along(&self, other: &Self) -> bool {
+        self.body == other.body && (self.face != other.face || self.closes && other.closes)
+    }
 }
 
 /// The place on a polyline nearest to a point, beside the nearest of its points: distance, number of the stretch, share of it.
@@ -116,7 +144,8 @@ fn touch(a: &BorderPolyline, b: &BorderPolyline, reach: f64) -> bool {
     (0..3).all(|d| a.bbox.min[d] <= b.bbox.max[d] && b.bbox.min[d] <= a.bbox.max[d]) && (on(a, b) || on(b, a))
 }
 
-fn border_polylines(grounds: &[Ground], reach: f64) -> Vec<BorderPolyline> {
+fn border_polylines(grounds: &[Ground], tolerance: f64) -> Vec<BorderPolyline> {
+    let reach = SAME * tolerance;
     let of = |(face, ground): (usize, &Ground)| {
         let mut out = Vec::new();
         for chain in ground.borders().trim_chains() {
@@ -126,7 +155,8 @@ fn border_polylines(grounds: &[Ground], reach: f64) -> Vec<BorderPolyline> {
                 bbox.include(&p.add_scalar(reach));
                 bbox.include(&p.add_scalar(-reach));
             }
-            out.push(BorderPolyline { face, body: ground.face.body, chain, points, bbox });
+            let closes = ground.closes_along(&chain.vertices, AT_VERTEX * tolerance);
+            out.push(BorderPolyline { face, body: ground.face.body, chain, closes, points, bbox });
         }
         out
     };
@@ -136,7 +166,7 @@ fn border_polylines(grounds: &[Ground], reach: f64) -> Vec<BorderPolyline> {
 /// Cuts the borders of faces at the ends of those of others along the same edge of the model.
 pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
     let reach = SAME * tolerance;
-    let all = border_polylines(grounds, reach);
+    let all = border_polylines(grounds, tolerance);
     // Borders that close are cut somewhere: these places stay when others are cut in.
     for c in &all {
         let v = &c.chain.vertices;
@@ -158,9 +188,10 @@ pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
     };
     let found: Vec<_> = all
         .par_iter()
-        .flat_map_iter(|a| {
-            let beside = all.iter().filter(|b| b.face != a.face && b.body == a.body && touch(a, b, reach));
-            beside.flat_map(|b| ends_on(a, b)).collect::<Vec<_>>()
+        .enumerate()
+        .flat_map_iter(|(i, a)| {
+            let beside = all.iter().enumerate().filter(|(j, b)| *j != i && a.may_lie_along(b) && touch(a, b, reach));
+            beside.flat_map(|(_, b)| ends_on(a, b)).collect::<Vec<_>>()
         })
         .collect();
     for (at, share) in found {
@@ -201,10 +232,10 @@ pub(super) struct Common {
     pub turned: bool,
 }
 
-/// Borders of faces that lie along each other from end to end, each with one partner.
+/// Borders of panels that lie along each other from end to end where faces meet or one closes, each with one partner.
 pub(super) fn common(grounds: &[Ground], tolerance: f64) -> Vec<Common> {
     let reach = SAME * tolerance;
-    let all = border_polylines(grounds, reach);
+    let all = border_polylines(grounds, tolerance);
     let with_later = |i: usize| -> Vec<(usize, usize, bool)> {
         let a = &all[i];
         let of = |(j, b): (usize, &BorderPolyline)| {
@@ -216,8 +247,7 @@ pub(super) fn common(grounds: &[Ground], tolerance: f64) -> Vec<Common> {
             let long = a.chain.length > ONE_END * tolerance;
             let along =
                 |x: &BorderPolyline, y: &BorderPolyline| x.points.iter().all(|p| nearest(&y.points, p).0 <= reach);
-            (b.face != a.face && b.body == a.body && near && long && along(a, b) && along(b, a))
-                .then_some((i, j, turned))
+            (a.may_lie_along(b) && near && long && along(a, b) && along(b, a)).then_some((i, j, turned))
         };
         all.iter().enumerate().skip(i + 1).filter_map(of).collect()
     };

@@ -58,8 +58,8 @@ pub(super) struct InnerSeam {
     pub vertices: Vec<u32>,
     /// Labels on both sides.
     pub labels: [u32; 2],
-    /// Whether both panels end in one edge.
-    pub shared: bool,
+    /// Where the edge begins and ends in which both panels do, if there is one.
+    pub ends: Option<[Vec3; 2]>,
 }
 
 /// A point in which edges end.
@@ -73,6 +73,8 @@ pub(super) struct Corner {
     pub seams: Vec<(usize, usize, bool)>,
     /// Panels that end there in common edges.
     pub panels: BTreeSet<(usize, u32)>,
+    /// Where the edges of these seams end now.
+    pub known: Vec<Vec3>,
     /// Where it is.
     pub place: Vec3,
 }
@@ -101,12 +103,13 @@ impl Corners {
             }
         }
         for (face, seams) in seams.iter().enumerate() {
-            for (k, InnerSeam { vertices, labels, shared }) in seams.iter().enumerate() {
+            for (k, InnerSeam { vertices, labels, ends }) in seams.iter().enumerate() {
                 for (v, first) in [(vertices[0], true), (vertices[vertices.len() - 1], false)] {
                     let Some(&corner) = out.of.get(&(face, v)) else { continue };
                     out.all[corner].seams.push((face, k, first));
-                    if *shared {
+                    if let Some(ends) = ends {
                         out.all[corner].panels.extend(labels.map(|l| (face, l)));
+                        out.all[corner].known.push(ends[usize::from(!first)]);
                     }
                 }
             }
@@ -165,23 +168,38 @@ fn place(corner: &mut Corner, all: &[Common], grounds: &[Ground], torses: &Torse
     let middle = places.iter().sum::<Vec3>() / places.len() as f64;
     let near: Option<Vec<Near>> = corner.panels.iter().map(|p| torses.near(*p, &middle)).collect();
     let Some(mut near) = near else { return worst };
-    // Along a single edge the place is free: square to it.
+    // Along a single edge the place is free: square to it. Where a panel meets itself its own torse alone says nothing.
     let across = (near.len() < GENERIC).then(|| {
-        let (e, begins) = corner.edges[0];
+        let side = |e: usize, k: usize| (all[e].faces[k], all[e].chains[k].label);
+        let of_two = corner.edges.iter().find(|e| side(e.0, 0) != side(e.0, 1));
+        let (e, begins) = *of_two.unwrap_or(&corner.edges[0]);
         let Common { faces, chains, .. } = &all[e];
         let v = &chains[0].vertices;
-        let pair = if begins { [v[0], v[1]] } else { [v[v.len() - 2], v[v.len() - 1]] };
+        let closes = [true, false].iter().all(|begins| corner.edges.contains(&(e, *begins)));
+        let pair = match (closes, begins) {
+            (true, _) => [v[v.len() - 2], v[1]],
+            (_, true) => [v[0], v[1]],
+            (_, false) => [v[v.len() - 2], v[v.len() - 1]],
+        };
         let p = grounds[faces[0]].places(&pair, 1);
         (p[1] - p[0]).normalize()
     });
     // Where torses hardly cross, or more than three meet, the place is near all of them.
     let length = corner.edges.iter().map(|e| all[e.0].chains[0].length).fold(f64::INFINITY, f64::min);
     let exactly = [(0.0, ON_ALL * tolerance), (HARDLY.0, HARDLY.1 * length)];
-    let found = exactly.into_iter().find_map(|(sideways, allowed)| {
+    // Where a face closes its seams may end in one point already.
+    let is_there = |x: &&Vec3| {
+        let mut torses = near.iter().copied();
+        let allowed = exactly[1].1;
+        corner.known.iter().all(|y| (*x - y).norm() <= allowed)
+            && torses.all(|mut n| n.plane(x).is_some_and(|p| p.1.abs() <= allowed))
+    };
+    let ended = corner.known.iter().find(is_there).copied();
+    let mut anew = |(sideways, allowed): (f64, f64)| {
         let (x, left) = common_point(&mut near, &middle, across.as_ref(), sideways)?;
         (left <= allowed && (x - middle).norm() <= 2.0 * tolerance).then_some(x)
-    });
-    match found {
+    };
+    match ended.or_else(|| exactly.into_iter().find_map(&mut anew)) {
         Some(x) => {
             corner.place = x;
             None
