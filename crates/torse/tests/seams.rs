@@ -38,6 +38,14 @@ fn alone() -> &'static Answer {
     DONE.get_or_init(|| run(Options { meet: false, ..Options::new(TOLERANCE) }))
 }
 
+/// The STEP file of panels.
+fn step_file(answer: &Answer) -> String {
+    let mut bytes = Vec::new();
+    let header = Header { name: "panels".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
+    panels(&mut bytes, &header, answer.patchwork(), &[]).expect("a file");
+    String::from_utf8(bytes).expect("text")
+}
+
 #[test]
 fn strips_that_meet_are_certified_and_as_many_as_before() {
     let (alone, met) = (alone(), met());
@@ -50,7 +58,8 @@ fn strips_that_meet_are_certified_and_as_many_as_before() {
     assert!(proof(met).seam_gap_bound < 0.01 * TOLERANCE && proof(alone).seam_gap_bound > 0.02 * TOLERANCE);
 }
 
-/// A face that is turned about an axis and has a pole: cones, as few as chords of its meridian, all of whose circles are common edges.
+/// A face that is turned about an axis and has a pole: cones, as few as chords of its meridian, all of whose circles are common edges,
+/// as are the slits in which they close.
 #[test]
 fn cones_about_an_axis_meet_in_circles() {
     let model = read(include_bytes!("../../../data/dished_end.step")).expect("a model");
@@ -61,14 +70,16 @@ fn cones_about_an_axis_meet_in_circles() {
     let panels = &answer.patchwork().panels;
     assert!(panels.len() == 3 && panels.iter().all(|p| p.strip.kind == PanelKind::Cone), "{}", panels.len());
     let seams = &proof(&answer).seams;
-    assert!(seams.len() == 2 && seams.iter().all(|s| s.status == SeamStatus::Exact), "{seams:?}");
+    assert!(seams.len() == 5 && seams.iter().all(|s| s.status == SeamStatus::Exact), "{seams:?}");
+    assert_eq!(seams.iter().filter(|s| s.panels[0] == s.panels[1]).count(), 3);
     for edge in panels.iter().flat_map(|p| p.loops()).flatten().filter(|c| matches!(c.border, Border::Seam { .. })) {
         let [a, b] = [0.0, 0.37].map(|s| Vec3::from(edge.edge.point(s)));
         assert!((a.xy().norm() - b.xy().norm()).abs() < 1e-3 && (a.z - b.z).abs() < 1e-3, "{a} {b}");
     }
 }
 
-/// Cones that are too large for a sheet are cut along rulings into equal sectors, which meet each other too.
+/// Cones that are too large for a sheet are cut along rulings into equal sectors, which meet each other too, the first and the last
+/// where the face closes.
 #[test]
 fn cones_about_an_axis_are_cut_into_sectors_that_fit_the_sheet() {
     let model = read(include_bytes!("../../../data/dished_end.step")).expect("a model");
@@ -79,8 +90,14 @@ fn cones_about_an_axis_are_cut_into_sectors_that_fit_the_sheet() {
     let panels = &answer.patchwork().panels;
     assert!(panels.len() == 5 && panels.iter().all(|p| p.strip.kind == PanelKind::Cone), "{}", panels.len());
     assert!(answer.patterns().iter().all(|p| p.length <= 2000.0 && p.width <= 1000.0));
-    let proof = proof(&answer);
-    assert!(proof.seams.len() == 6 && proof.seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", proof.seams);
+    let seams = &proof(&answer).seams;
+    assert!(seams.len() == 9 && seams.iter().all(|s| s.status == SeamStatus::Exact), "{seams:?}");
+    // The cap stays whole; its ends keep an edge each in the file, on the same two vertices.
+    let slits = seams.iter().filter(|s| s.panels[0] == s.panels[1]).count();
+    let runs = panels.iter().flat_map(|p| p.loops()).flatten().filter(|r| !r.is_point()).count();
+    let text = step_file(&answer);
+    assert_eq!((slits, text.matches("=EDGE_CURVE(").count()), (1, runs - (seams.len() - slits)));
+    assert_eq!((text.matches("=OPEN_SHELL(").count(), text.matches("=SEAM_CURVE(").count()), (1, 0));
 }
 
 /// Panels that are too large for a sheet are laid so that they meet, and cut then: their parts do so as well.
@@ -181,10 +198,7 @@ fn flat_edges_of_an_exact_seam_have_equal_lengths() {
 /// Euler: faces, shared edges and free edges of one shell that is a strip of panels.
 #[test]
 fn the_step_file_holds_one_shell_with_shared_edges() {
-    let mut bytes = Vec::new();
-    let header = Header { name: "torus".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
-    panels(&mut bytes, &header, met().patchwork(), &[]).expect("a file");
-    let text = String::from_utf8(bytes).expect("text");
+    let text = step_file(met());
     let count = |what: &str| text.matches(what).count();
     let n = met().patchwork().panels.len();
     assert_eq!(count("=OPEN_SHELL("), 1);

@@ -45,7 +45,7 @@ impl Fingerprint {
     }
 }
 
-/// Of which runs are sides of joints between faces.
+/// Of which runs are sides of joints along borders of faces.
 pub(super) fn of_joints(patchwork: &Patchwork) -> u64 {
     let mut h = DefaultHasher::new();
     patchwork.joint_count.hash(&mut h);

@@ -99,7 +99,7 @@ fn seam_record(s: &Seam, (gap_bound, length_difference_bound): (f64, f64), toler
     })
 }
 
-/// Adds what is known of the joints between faces: each must have two sides, and its gap is bounded as that of a seam.
+/// Adds what is known of the joints along borders of faces: each must have two sides, and its gap is bounded as that of a seam.
 fn joints_of(patchwork: &Patchwork, out: &mut CertificateParts) {
     let joints: Vec<Seam> =
         patchwork.seams().into_iter().filter(|s| (s.seam as usize) >= patchwork.seam_count).collect();

@@ -23,7 +23,8 @@ pub enum Border {
         /// Edge number, see `TrimLoop::edge`.
         edge: u32,
     },
-    /// The boundary of the face where a panel of another face ends in the same edge in space: faces that meet at an angle.
+    /// The boundary of the face where another panel ends in the same edge in space: of a face that it meets at an angle, or of
+    /// its own where that closes, which may be the other end of the panel itself.
     Joint {
         /// Number of the joint among those of the patchwork.
         joint: u32,
@@ -184,7 +185,7 @@ pub struct Patchwork {
     pub panels: Vec<Panel>,
     /// Number of seams.
     pub seam_count: usize,
-    /// Number of joints between faces.
+    /// Number of joints: between faces, and where a face closes.
     pub joint_count: usize,
 }
 

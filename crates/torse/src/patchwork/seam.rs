@@ -35,7 +35,7 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 impl Patchwork {
-    /// Seams with two sides, in the order of their numbers, then joints between faces.
+    /// Seams with two sides, in the order of their numbers, then joints along borders of faces.
     pub fn seams(&self) -> Vec<Seam<'_>> {
         let mut sides: Vec<[Option<SeamSide>; 2]> = vec![[None; 2]; self.seam_count + self.joint_count];
         for (panel, of) in self.panels.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Panels of all faces that meet: within each face, then across edges at which faces meet at an angle.
+//! Panels of all faces that meet: within each face, then across edges at which faces meet at an angle or close.
 
 use super::build::Built;
 use super::cover::Limits;

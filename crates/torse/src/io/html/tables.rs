@@ -300,7 +300,7 @@ pub(super) fn seams(report: &Report) -> String {
          <th>Length, mm</th><th>Angle, degrees</th></tr></thead><tbody>",
     );
     for s in &report.seams {
-        let [a, b] = s.between.map(name);
+        let between = both_sides(&s.between.map(name));
         let joint = match s.joint.as_str() {
             "exact" => "exact: one common edge",
             "tolerance" => "within the tolerance",
@@ -308,7 +308,7 @@ pub(super) fn seams(report: &Report) -> String {
         };
         let _ = write!(
             out,
-            "<tr><td>{}</td><td>{a} \u{2013} {b}</td><td>{joint}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+            "<tr><td>{}</td><td>{between}</td><td>{joint}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
              <td class=\"number\">{} to {}</td></tr>",
             s.number.map_or_else(String::new, |n| format!("S{n}")),
             upper(s.gap_bound),
@@ -320,14 +320,22 @@ pub(super) fn seams(report: &Report) -> String {
     out + "</tbody></table></div></details>"
 }
 
+/// The panels on both sides of a seam or joint, which may be one.
+fn both_sides([a, b]: &[String; 2]) -> String {
+    if a == b {
+        format!("{a}, with itself")
+    } else {
+        format!("{a} \u{2013} {b}")
+    }
+}
+
 /// The table of joints between parts, if there are any.
 pub(super) fn joints(report: &Report) -> String {
     if report.joints.is_empty() {
         return String::new();
     }
     let row = |j: &JointRecord| {
-        let [a, b] = j.between.each_ref().map(|name| escape(name));
-        let between = if a == b { format!("{a}, with itself") } else { format!("{a} \u{2013} {b}") };
+        let between = both_sides(&j.between.each_ref().map(|name| escape(name)));
         let gap = j.gap_estimate.map_or_else(|| "unknown".into(), rounded);
         let lengths = j.lengths_estimate.map_or_else(String::new, |[a, b]| format!("{a:.3} \u{2013} {b:.3}"));
         format!(

@@ -44,6 +44,9 @@ const MORE: usize = 2;
 const LESS: f64 = 0.998;
 /// Distance of a torse from its cone, as a share of the size, below which it needs no more spans.
 const GOAL: f64 = 1e-10;
+/// Slope of a chord against the axis's planes, below which its cone is about a plane, a ring that no ruled panel goes all round: of
+/// 14 chords round a torus two are, which were cut and laid anew in 400 seconds; with 15 all panels meet in themselves.
+const FLAT: f64 = 1e-3;
 /// Cells between two corners along the meridian at least.
 const CELLS: usize = 8;
 /// Places per direction at which torses are compared with their cones.
@@ -311,6 +314,9 @@ impl State {
 
 /// The torse of the cone over a chord of the meridian, as far round as the part goes.
 fn cone(meridian: &Meridian, [p, q]: [Vec2; 2]) -> Option<Fit> {
+    if (q - p).y.abs() <= FLAT * (q - p).norm() {
+        return None;
+    }
     let frame = &meridian.frame;
     let [from, to] = [p, q].map(|c| frame.to_world(&Vec3::new(c.x, 0.0, c.y)));
     let line = SpaceCurve::Line { origin: from, direction: to - from };
@@ -365,6 +371,18 @@ mod tests {
         // A cap 67 mm from rim to pole; what ends beside the pole counts.
         assert!(state.is_complete() && state.panels.len() <= 2, "{}", state.panels.len());
         assert!(ended.trim_bound() > 0.0 && ended.trim_bound() < 0.05, "{}", ended.trim_bound());
+    }
+
+    #[test]
+    fn no_cone_is_a_flat_ring() {
+        // Six chords of a circle of radius 50 mm keep within 3.35 mm of it, but two would be square to the axis; seven within 2.48.
+        let axis = frame(Vec3::zeros(), Vec3::z());
+        let centre = Frame { origin: axis.x * 150.0, y: axis.z, z: -axis.y, ..axis };
+        let circle = SpaceCurve::Ellipse { frame: centre, a: 50.0, b: 50.0 };
+        let face = Face::untrimmed(revolve(&circle, &axis, (0.0, TAU), (0.0, TAU)).expect("a surface").0);
+        let (_, state) = cones(&face, 3.6).expect("cones");
+        assert!(state.is_complete() && state.panels.len() == 7, "{}", state.panels.len());
+        assert!(state.panels.values().all(|fit| fit.error < 2.6));
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Panels of different faces that meet: where faces meet at an angle, the panels on both sides intersect near the edge of the
-//! model, and both end in that curve.
+//! Panels that meet along borders of faces: where faces meet at an angle, the panels on both sides intersect near the edge of the
+//! model, and both end in that curve; where a face closes, both ends of it are such an edge, with a panel or two beside it.
 //!
-//! *Method*: borders of faces that lie along each other are cut at the same places; panels on both sides are ended in the curve
+//! *Method*: borders that lie along each other are cut at the same places; panels on both sides are ended in the curve
 //! in which their torses intersect (`intersection_curve`), in points that all of them have in common where several end. The panels that
 //! this changes are built anew and proven again. What is refused is left as it was, with what hangs on it, until all of the
 //! rest is proven. Nothing is judged here.
