@@ -21,7 +21,7 @@ const FAR_TURN: f64 = 0.2;
 /// no more than what a proof leaves.
 const WAYS: ([f64; 2], f64) = ([0.5, 0.69], 0.4);
 /// Share of the tolerance for ways and distances together: a proof needs a little.
-const AWAY: f64 = 0.97;
+pub(crate) const AWAY: f64 = 0.97;
 /// Distances of both strips, and ways on both.
 const COUNTED: usize = 4;
 /// Where strips would intersect farther away than this share of the tolerance, they are made finer until they are equally high

@@ -37,7 +37,7 @@ pub(crate) use asked::{Asked, BorderCounts};
 pub(crate) use edge::turning;
 use edge::{Edge, Junction};
 use fleet::Fleet;
-pub(crate) use fleet::Meeting;
+pub(crate) use fleet::{Meeting, AWAY};
 use line::Line;
 pub(crate) use network::Further;
 use network::Network;

@@ -7,11 +7,9 @@
 use super::places::{Common, Ground, FINE};
 use super::vertices::Torses;
 use crate::geom::Vec3;
-use crate::search::joint::Meeting;
+use crate::search::joint::{Meeting, AWAY};
 use nalgebra::Matrix3;
 
-/// Share of the tolerance that the intersection may be away: a proof needs a little.
-const AWAY: f64 = 0.97;
 /// Share of all products of heights that have one sign along an edge where heights of that sign are expected.
 const ONE_SIGN: f64 = 0.9;
 /// Heights that must be less than this share of the tolerance are not asked for: panels would become many.
