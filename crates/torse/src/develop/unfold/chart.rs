@@ -111,6 +111,15 @@ impl Chart {
         }
     }
 
+    /// Place in the plane of a point of the ruling at a parameter, on a face without closed form: told apart from others that
+    /// pass there, which the nearest place on a surface that meets itself or turns sharply is not.
+    pub(super) fn flat_on_ruling(&self, s: f64, x: &Vec3) -> Vec2 {
+        match &self.kind {
+            Kind::Ruled(r) => r.flat_on(s, x),
+            Kind::Plane(_) | Kind::Round { .. } => self.flat(x, None),
+        }
+    }
+
     /// The map in closed form; `None` for faces that are neither plane nor circular.
     pub fn closed(&self) -> Option<ClosedMap> {
         match &self.kind {

@@ -372,12 +372,13 @@ pub(super) fn strip_joints(piece: &Piece, face: usize) -> Vec<JointImage> {
     let placed = &piece.faces[face];
     let strips = placed_strips(placed);
     let joint = |w: &[MapStrip]| -> Option<JointImage> {
-        let ends = placed.chart.ruling_ends(w[0].span[1])?;
+        let at = w[0].span[1];
+        let ends = placed.chart.ruling_ends(at)?;
         let curve = Curve {
             knots: Knots::clamped(1, &[0.0, 1.0]).ok()?,
             control: ends.iter().map(|p| [p.x, p.y, p.z, 1.0]).collect(),
         };
-        let flat = ends.map(|p| placed.motion.apply(&placed.chart.flat(&p, None)));
+        let flat = ends.map(|p| placed.motion.apply(&placed.chart.flat_on_ruling(at, &p)));
         let side = |s: &MapStrip, part: [f64; 2]| {
             let [start, end] = part.map(|t| if t == 0.0 { flat[0] } else { flat[1] });
             let (map, turn, shift) = (s.map, s.turn, s.shift);

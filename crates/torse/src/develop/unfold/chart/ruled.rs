@@ -21,6 +21,8 @@ pub(super) struct Ruled {
     pub(super) breaks: Vec<f64>,
     /// Edges.
     pub(super) jumps: Vec<Jump>,
+    /// By how much (mm) the base points of a step and of its halves may differ.
+    slack: f64,
     pub(super) projector: SurfaceProjector,
     pub(super) strips: Vec<MapStrip>,
 }
@@ -104,8 +106,13 @@ pub(super) const AT_APEX: f64 = 1e-9;
 pub(super) const HAIR: f64 = 1e-12;
 /// Normals that turn by less (rad) at a knot go on: what ten printed digits lose on short spans.
 pub(super) const EDGE: f64 = 1e-6;
-/// Steps of the integration on each span between knots.
+/// Steps of the integration on each span between knots, at first.
 pub(super) const STEPS: usize = 96;
+/// Share of the surface's extent by which the base points of a step and of its halves may differ: above rounding. A cylinder over a
+/// Bézier curve of degree 6 that turns within 0.4 mm is 0.013 mm off without halved steps, and within 10⁻⁹ mm with them.
+const HALVES_AGREE: f64 = 1e-12;
+/// Halvings of a step at most.
+const STEP_HALVINGS: usize = 12;
 /// Newton's steps to the ruling up to which a face has turned by so much: they begin within the square of a step.
 const NEWTON: usize = 3;
 
@@ -131,6 +138,7 @@ impl Ruled {
             nodes: Vec::new(),
             breaks: rulings.breaks(),
             jumps: Vec::new(),
+            slack: HALVES_AGREE * face.surface.bbox().diagonal(),
             projector: SurfaceProjector::new(&face.surface),
             strips: Vec::new(),
         };
@@ -152,8 +160,7 @@ impl Ruled {
                 // To the bit, the knot.
                 let at = |k: usize| if k == STEPS { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / STEPS as f64 };
                 let (a, b) = (at(k), at(k + 1));
-                state = out.step(state, a.max(w[0] + hair), b.min(w[1] - hair))?;
-                out.nodes.push((b, state));
+                state = out.integrate(state, [a, b], [w[0] + hair, w[1] - hair], STEP_HALVINGS)?;
             }
         }
         Some(out)
@@ -196,8 +203,25 @@ impl Ruled {
         self.jumps.iter().find(|j| self.nodes[j.node].0 == knot).map_or(0.0, |j| j.depth * j.turn)
     }
 
-    /// One Runge–Kutta step; the turn does not depend on the state, so its slopes serve for both.
+    /// Steps from one node to the next, halved where the sheet bends too much for one; `within` keeps from the knots.
+    fn integrate(&mut self, from: State, [a, b]: [f64; 2], within: [f64; 2], halvings: usize) -> Option<State> {
+        let (state, off) = self.step_and_error(from, a.max(within[0]), b.min(within[1]))?;
+        if off <= self.slack || halvings == 0 {
+            self.nodes.push((b, state));
+            return Some(state);
+        }
+        let m = 0.5 * (a + b);
+        let half = self.integrate(from, [a, m], within, halvings - 1)?;
+        self.integrate(half, [m, b], within, halvings - 1)
+    }
+
     pub(super) fn step(&self, from: State, a: f64, b: f64) -> Option<State> {
+        self.step_and_error(from, a, b).map(|s| s.0)
+    }
+
+    /// One step, and by how much (mm) its base point differs if Simpson's rule is taken for the whole; the turn does not depend on the
+    /// state, so its slopes serve for both.
+    fn step_and_error(&self, from: State, a: f64, b: f64) -> Option<(State, f64)> {
         let h = b - a;
         let slope = |s: f64| {
             let l = self.line(s)?;
@@ -205,18 +229,24 @@ impl Ruled {
             let dq = l.dp - l.dn * self.depth_of(&l);
             Some((l.dw.dot(&e), Vec2::new(dq.dot(&l.w), dq.dot(&e)), l.dn.norm()))
         };
-        let [f0, f1, f2, f3, f4] =
-            [slope(a)?, slope(a + 0.25 * h)?, slope(a + 0.5 * h)?, slope(a + 0.75 * h)?, slope(b)?];
-        // Turn half way and at the end by Simpson's rule, then the base point with these turns.
-        let half = from.turn + h / 12.0 * (f0.0 + 4.0 * f1.0 + f2.0);
-        let whole = half + h / 12.0 * (f2.0 + 4.0 * f3.0 + f4.0);
-        let turned = |v: Vec2, a: f64| {
-            let (s, c) = a.sin_cos();
-            Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
+        let f = [slope(a)?, slope(a + 0.25 * h)?, slope(a + 0.5 * h)?, slope(a + 0.75 * h)?, slope(b)?];
+        // Turns by Simpson's rule, of quarters by the parabola through three slopes, then the base point with these turns.
+        let half = from.turn + h / 12.0 * (f[0].0 + 4.0 * f[1].0 + f[2].0);
+        let whole = half + h / 12.0 * (f[2].0 + 4.0 * f[3].0 + f[4].0);
+        let quarter = |k: usize| h / 48.0 * (5.0 * f[k].0 + 8.0 * f[k + 1].0 - f[k + 2].0);
+        let turns = [from.turn, from.turn + quarter(0), half, half + quarter(2), whole];
+        let turned = |k: usize| {
+            let (s, c) = turns[k].sin_cos();
+            Vec2::new(c * f[k].1.x - s * f[k].1.y, s * f[k].1.x + c * f[k].1.y)
         };
-        let moved = turned(f0.1, from.turn) + turned(f2.1, half) * 4.0 + turned(f4.1, whole);
-        let bent = from.bent + h / 6.0 * (f0.2 + 4.0 * f2.2 + f4.2);
-        Some(State { turn: whole, base: from.base + moved * (h / 6.0), bent })
+        let v = [turned(0), turned(1), turned(2), turned(3), turned(4)];
+        // By halves, and by the whole.
+        let moved = (v[0] + v[1] * 4.0 + v[2] * 2.0 + v[3] * 4.0 + v[4]) * (h / 12.0);
+        let coarse = (v[0] + v[2] * 4.0 + v[4]) * (h / 6.0);
+        let bent = from.bent + h / 12.0 * (f[0].2 + 4.0 * f[1].2 + 2.0 * f[2].2 + 4.0 * f[3].2 + f[4].2);
+        // A fifteenth of the difference is what halves are off, and what is added.
+        let base = from.base + moved + (moved - coarse) / 15.0;
+        Some((State { turn: whole, base, bent }, (moved - coarse).norm()))
     }
 
     /// The ruling at a share of the turn of the normal.
@@ -259,11 +289,11 @@ impl Ruled {
         let Jump { node: k, turn: jump, depth } = self.jumps[edge];
         let (s, state) = self.nodes[k];
         let way = Vec2::new(state.turn.cos(), state.turn.sin());
-        let half = STEPS / 2;
-        let ends = [k - 1 - half, k + half].map(|k| self.nodes[k]);
-        let bent = ends[1].1.bent - ends[0].1.bent;
+        let next = self.breaks.partition_point(|b| *b <= s);
+        let ends = [next - 2, next].map(|k| 0.5 * (s + self.breaks[k]));
+        let bent = self.state(ends[1]).bent - self.state(ends[0]).bent;
         let (mut radius, mut rise) = (0.0, 0.0);
-        for (end, _) in ends {
+        for end in ends {
             let l = self.line(0.5 * (s + end))?;
             let e = l.n.cross(&l.w);
             let span = (end - s).abs();
@@ -310,10 +340,19 @@ impl Ruled {
 
     /// Place in the plane of a point of the ruling at `s`.
     pub(super) fn flat_on(&self, s: f64, x: &Vec3) -> Vec2 {
-        let k = self.nodes.partition_point(|n| n.0 <= s).clamp(1, self.nodes.len() - 1) - 1;
-        let (at, before) = self.nodes[k];
-        let state = if s > at { self.step(before, at, s).unwrap_or(before) } else { before };
+        let state = self.state(s);
         let reach = self.line(s).map_or(0.0, |l| (x - l.p).dot(&l.w));
         state.base + Vec2::new(state.turn.cos(), state.turn.sin()) * reach
+    }
+
+    /// Turn and base point of the ruling at `s`.
+    fn state(&self, s: f64) -> State {
+        let k = self.nodes.partition_point(|n| n.0 <= s).clamp(1, self.nodes.len() - 1) - 1;
+        let (at, before) = self.nodes[k];
+        if s > at {
+            self.step(before, at, s).unwrap_or(before)
+        } else {
+            before
+        }
     }
 }

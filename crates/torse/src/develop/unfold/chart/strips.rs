@@ -89,26 +89,23 @@ impl Cutter<'_> {
 
     /// Strips between two rulings.
     fn divide(&mut self, [a, b]: [f64; 2], depth: usize) -> Option<()> {
-        let (map, angles) = match self.meet {
-            Meet::Nowhere => self.cylinder([a, b], &self.ruled.line(self.ruled.nodes[0].0)?)?,
-            Meet::At(apex) => self.cone(&apex, [a, b])?,
-            Meet::Anywhere => match self.apex([a, b])? {
-                Some(apex) => self.cone(&apex, [a, b])?,
-                None => self.cylinder([a, b], &self.ruled.line(0.5 * (a + b))?)?,
-            },
-        };
-        let off =
-            LOOKED_AT.iter().map(|t| self.distance(&map, a + (b - a) * t)).try_fold(0.0_f64, |m, d| Some(m.max(d?)))?;
-        let is_near = off <= self.near * self.extent;
-        // Near a regression curve no cone is near, however narrow the strip.
-        if !is_near && depth == 0 && matches!(self.meet, Meet::Anywhere) {
-            return None;
-        }
+        // None goes through three rulings of which two are one, as on a closed face of one span.
+        let found = self.through([a, b]);
+        let distance = |map: &ClosedMap, t: f64| self.distance(map, a + (b - a) * t);
+        let farthest =
+            |map: &ClosedMap| LOOKED_AT.iter().map(|t| distance(map, *t)).try_fold(0.0_f64, |m, d| Some(m.max(d?)));
+        let off = found.and_then(|f| farthest(&f.0));
+        let is_near = off.is_some_and(|d| d <= self.near * self.extent);
         if !is_near && depth > 0 {
             let m = 0.5 * (a + b);
             self.divide([a, m], depth - 1)?;
             return self.divide([m, b], depth - 1);
         }
+        // Near a regression curve no cone is near, however narrow the strip.
+        if !is_near && matches!(self.meet, Meet::Anywhere) {
+            return None;
+        }
+        let (map, angles) = off.and(found)?;
         let (turn, shift) = match (&self.meet, map) {
             (Meet::Anywhere, _) => self.laid(&map, [a, b])?,
             (_, ClosedMap::Cylinder { reach, .. }) => {
@@ -127,6 +124,18 @@ impl Cutter<'_> {
         };
         self.out.push(MapStrip { map, turn, shift, span: [a, b], swapped: self.ruled.swapped, angles });
         Some(())
+    }
+
+    /// The circular cylinder or cone through three rulings from one to another, and the angles of the outer two.
+    fn through(&self, [a, b]: [f64; 2]) -> Option<(ClosedMap, [f64; 2])> {
+        match self.meet {
+            Meet::Nowhere => self.cylinder([a, b], &self.ruled.line(self.ruled.nodes[0].0)?),
+            Meet::At(apex) => self.cone(&apex, [a, b]),
+            Meet::Anywhere => match self.apex([a, b])? {
+                Some(apex) => self.cone(&apex, [a, b]),
+                None => self.cylinder([a, b], &self.ruled.line(0.5 * (a + b))?),
+            },
+        }
     }
 
     /// Half way between two rulings where they pass each other; inner `None` where that is too far off.

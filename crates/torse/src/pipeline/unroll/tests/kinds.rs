@@ -171,3 +171,26 @@ fn arcs_leave_room_for_what_maps_are_not_known_by() {
         assert_eq!(answer.status(), Status::Certified, "{side:?}");
     }
 }
+
+/// The nearest place says nothing of the ruling where a profile crosses itself, or turns within half a millimetre; and three
+/// rulings of a closed profile of one span may be two.
+#[test]
+fn cylinders_over_curves_that_cross_turn_sharply_or_close_are_laid_flat() {
+    let crossing =
+        [[162.0, 45.0], [325.0, 22.0], [268.0, 110.0], [29.0, 152.0], [19.0, 130.0], [35.0, 27.0], [212.0, 248.0]];
+    let sharp =
+        [[98.4, 61.3], [110.2, 68.1], [129.6, 207.8], [312.0, 270.1], [468.5, 296.4], [477.5, 109.4], [478.3, 134.2]];
+    let closed = [[0.0, 0.0], [200.0, 0.0], [250.0, 200.0], [50.0, 350.0], [-150.0, 200.0], [-200.0, 0.0], [0.0, 0.0]];
+    for profile in [crossing, sharp, closed] {
+        let rail = |y: f64| profile.iter().map(|[x, z]| Vec3::new(*x, y, *z)).collect::<Vec<_>>();
+        let surface = ruled([rail(0.0), rail(90.0)], None);
+        let chord = |k: f64| (surface.point((k + 1.0) / 2e4, 0.0) - surface.point(k / 2e4, 0.0)).norm();
+        let length: f64 = (0..20_000).map(|k| chord(f64::from(k))).sum();
+        let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.01) };
+        let model = super::model_of(vec![Face::untrimmed(surface.clone())]);
+        let answer = unroll(&model, &options, &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{:?}", profile[0]);
+        let [pattern] = answer.patterns() else { panic!("one part") };
+        assert!((pattern.area - 90.0 * length).abs() < 1e-5 * pattern.area, "{} {length}", pattern.area / 90.0);
+    }
+}
