@@ -23,7 +23,7 @@ pub(crate) enum OffsetError {
     #[error("an offset of {0} mm passes the axis or centre of the surface")]
     Vanishes(f64),
     /// The surface has no own bounds, so it cannot be sampled.
-    #[error("the offset of an endless swept surface is read where a spline or an ellipse is moved, or turned in the plane of its axis")]
+    #[error("the offset of an endless swept surface is read where a spline or a conic is moved, or turned in the plane of its axis, and the edges of the face tell how far a parabola or hyperbola goes")]
     Endless,
     /// The normal is not defined everywhere.
     #[error("the surface has a point without a normal, where its offset is not defined")]
@@ -40,16 +40,50 @@ pub(crate) enum OffsetError {
 const NEAR_SHARE: f64 = 1e-7;
 /// The worst share that is still accepted (and reported with the face).
 const ACCEPTED_SHARE: f64 = 1e-4;
+/// Degree of interpolated offsets at most.
+const HIGHEST: usize = 5;
 /// Rounds of halving all knot spans.
 const ROUNDS: usize = 4;
 
-/// The surface at the signed `distance` (mm) along the normal `S_u × S_v`, with what is known of its deviation (mm).
+/// The stretch of the curve that sweeps a surface, in natural parameters, of which an offset is read: all of a spline or an ellipse;
+/// of a parabola or hyperbola what `rectangle` says, else what reaches a little beyond `places` (mm) of the offset. `None` where that is
+/// not known, and for surfaces that no such curve sweeps.
+pub(crate) fn stretch_of(
+    base: &SupportSurface,
+    rectangle: Option<[(f64, f64); 2]>,
+    places: &[Vec3],
+) -> Option<(f64, f64)> {
+    let (axis, directrix) = swept_by(base)?;
+    match directrix {
+        SpaceCurve::Spline(c) => Some(c.domain()),
+        SpaceCurve::Ellipse { .. } => Some((0.0, TAU)),
+        SpaceCurve::Parabola { .. } | SpaceCurve::Hyperbola { .. } => rectangle.map(|r| r[axis]).or_else(|| {
+            let feet = places.iter().map(|x| base.foot(x, None)[axis]);
+            let (lo, hi) = feet.fold((f64::INFINITY, f64::NEG_INFINITY), |b, t| (b.0.min(t), b.1.max(t)));
+            (lo < hi).then(|| (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo)))
+        }),
+        SpaceCurve::Line { .. } | SpaceCurve::Traced(_) => None,
+    }
+}
+
+/// The curve that sweeps a surface, and which parameter of the surface is that of the curve.
+fn swept_by(base: &SupportSurface) -> Option<(usize, &SpaceCurve)> {
+    match base {
+        SupportSurface::Extrusion { directrix, .. } => Some((0, directrix)),
+        SupportSurface::Revolution { directrix, .. } => Some((1, directrix)),
+        _ => None,
+    }
+}
+
+/// The surface at the signed `distance` (mm) along the normal `S_u × S_v`, with what is known of its deviation (mm); of a swept one
+/// over the `stretch` of its curve that [`stretch_of`] tells.
 ///
 /// # Errors
 /// See [`OffsetError`].
 pub(crate) fn of_support(
     base: &SupportSurface,
     distance: f64,
+    stretch: Option<(f64, f64)>,
 ) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
     let positive = |x: f64| if x > 0.0 { Ok(x) } else { Err(OffsetError::Vanishes(distance)) };
     let exact = |c: SupportSurface| Ok((c, SurfaceDeviation::NONE));
@@ -79,49 +113,63 @@ pub(crate) fn of_support(
         SupportSurface::Spline(s) => interpolated(&s.surface, distance),
         SupportSurface::Extrusion { .. } if distance == 0.0 => exact(base.clone()),
         SupportSurface::Extrusion { directrix, direction } => {
-            let (line, deviation) = beside(directrix, direction, distance)?;
+            let range = stretch.ok_or(OffsetError::Endless)?;
+            let (line, deviation) = beside((directrix, range), direction, distance)?;
             Ok((SupportSurface::Extrusion { directrix: line, direction: *direction }, deviation))
         }
         SupportSurface::Revolution { .. } if distance == 0.0 => exact(base.clone()),
-        SupportSurface::Revolution { directrix, frame } => turned(directrix, frame, distance),
+        SupportSurface::Revolution { directrix, frame } => {
+            turned((directrix, stretch.ok_or(OffsetError::Endless)?), frame, distance)
+        }
     }
 }
 
-/// Whether the offset of a surface has its natural parameters: where an ellipse is swept it has those of a spline.
+/// Whether the offset of a surface has its natural parameters: where an ellipse or a hyperbola is swept it has those of a spline.
 pub(crate) fn keeps_parameters(base: &SupportSurface) -> bool {
-    swept_ellipse(base).is_none()
+    let is_recast = |c: &SpaceCurve| matches!(c, SpaceCurve::Ellipse { .. } | SpaceCurve::Hyperbola { .. });
+    !swept_by(base).is_some_and(|s| is_recast(s.1))
 }
 
-/// A rectangle of natural parameters of a surface in those of its offset.
-pub(crate) fn rectangle_of_offset(base: &SupportSurface, mut rectangle: [(f64, f64); 2]) -> [(f64, f64); 2] {
-    let Some((axis, ellipse)) = swept_ellipse(base) else { return rectangle };
-    let Ok((_, map)) = ellipse.to_spline(0.0, TAU) else { return rectangle };
-    // Turn by turn, as the map is for one.
-    let forward = |t: f64| map.forward(t.rem_euclid(TAU)) + (t / TAU).floor() * TAU;
-    let (from, to) = rectangle[axis];
-    rectangle[axis] = (forward(from), forward(to));
+/// A rectangle of natural parameters of a surface in those of its offset over a `stretch`.
+pub(crate) fn rectangle_of_offset(
+    base: &SupportSurface,
+    mut rectangle: [(f64, f64); 2],
+    stretch: Option<(f64, f64)>,
+) -> [(f64, f64); 2] {
+    let (Some((axis, curve)), Some((from, to))) = (swept_by(base), stretch) else { return rectangle };
+    if keeps_parameters(base) {
+        return rectangle;
+    }
+    let Ok((_, map)) = curve.to_spline(from, to) else { return rectangle };
+    let forward = |t: f64| match curve {
+        // Turn by turn, as the map is for one.
+        SpaceCurve::Ellipse { .. } => map.forward(t.rem_euclid(TAU)) + (t / TAU).floor() * TAU,
+        _ => map.forward(t),
+    };
+    rectangle[axis] = (forward(rectangle[axis].0), forward(rectangle[axis].1));
     rectangle
 }
 
-/// The ellipse that a surface is swept by, and which of its parameters is that of the ellipse.
-fn swept_ellipse(base: &SupportSurface) -> Option<(usize, &SpaceCurve)> {
-    let (axis, directrix) = match base {
-        SupportSurface::Extrusion { directrix, .. } => (0, directrix),
-        SupportSurface::Revolution { directrix, .. } => (1, directrix),
-        _ => return None,
-    };
-    matches!(directrix, SpaceCurve::Ellipse { .. }).then_some((axis, directrix))
-}
+/// Share of the stretch of a parabola or hyperbola along the edges of a face by which its offset goes on: edges reach farther
+/// than the places that are looked at, where holes or slanting ends do.
+const BEYOND: f64 = 0.25;
 
-/// The curve whose extrusion is the offset of that of `directrix`. Normals are the same all along a ruling, so that what a stretch of
-/// the offset is off holds for all of it.
+/// The curve whose extrusion is the offset of that of `directrix` over a range. Normals are the same all along a ruling, so that what
+/// a stretch of the offset is off holds for all of it.
 fn beside(
-    directrix: &SpaceCurve,
+    (directrix, range): (&SpaceCurve, (f64, f64)),
     direction: &Vec3,
     distance: f64,
 ) -> Result<(SpaceCurve, SurfaceDeviation), OffsetError> {
-    let range = whole(directrix)?;
     let points: Vec<Vec3> = directrix.stations(range.0, range.1).iter().map(|t| directrix.point(*t)).collect();
+    // A parabola or hyperbola is one span, whose offset takes a higher degree to come near.
+    let raised = match directrix {
+        SpaceCurve::Parabola { .. } | SpaceCurve::Hyperbola { .. } => {
+            Some(SpaceCurve::Spline(directrix.to_spline(range.0, range.1)?.0.elevated_to(HIGHEST)?))
+        }
+        _ => None,
+    };
+    let directrix = raised.as_ref().unwrap_or(directrix);
     // A stretch about as long as the curve.
     let long = BBox::of(&points).diagonal() / direction.norm();
     let (stretch, _) = swept::extrude(directrix, direction, range, (0.0, long))?;
@@ -129,15 +177,6 @@ fn beside(
     let SupportSurface::Spline(offset) = support else { return Err(OffsetError::Endless) };
     let line = offset.surface.curve_at_v(offset.surface.knots_v.domain().0);
     Ok((SpaceCurve::Spline(line), deviation))
-}
-
-/// The range of a curve of which an offset is read.
-fn whole(directrix: &SpaceCurve) -> Result<(f64, f64), OffsetError> {
-    match directrix {
-        SpaceCurve::Spline(c) => Ok(c.domain()),
-        SpaceCurve::Ellipse { .. } => Ok((0.0, TAU)),
-        _ => Err(OffsetError::Endless),
-    }
 }
 
 /// Share of the size within which a curve lies in the plane of its axis: rounding of coordinates.
@@ -150,7 +189,7 @@ const HALVINGS: usize = 8;
 
 /// The offset of a surface of revolution: that of its curve in the plane of the axis, turned.
 fn turned(
-    directrix: &SpaceCurve,
+    (directrix, range): (&SpaceCurve, (f64, f64)),
     frame: &Frame,
     distance: f64,
 ) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
@@ -160,6 +199,9 @@ fn turned(
         SpaceCurve::Ellipse { frame: own, a, b } => {
             vec![own.origin, own.origin + own.x * *a, own.origin + own.y * *b]
         }
+        SpaceCurve::Parabola { .. } | SpaceCurve::Hyperbola { .. } => {
+            [range.0, 0.5 * (range.0 + range.1), range.1].map(|t| directrix.point(t)).to_vec()
+        }
         _ => return Err(OffsetError::Endless),
     };
     let own: Vec<Vec3> = within.iter().map(|p| frame.to_local(p)).collect();
@@ -167,7 +209,6 @@ fn turned(
         return Err(OffsetError::Endless);
     };
     let size = own.iter().fold(distance.abs(), |m: f64, p| m.max(p.amax()));
-    let range = whole(directrix)?;
     // To the side of the axis on which the curve is.
     let middle = frame.to_local(&directrix.point(0.5 * (range.0 + range.1)));
     let side = if far.x * middle.x + far.y * middle.y < 0.0 { -1.0 } else { 1.0 };
@@ -178,13 +219,13 @@ fn turned(
         return Err(OffsetError::Endless);
     }
     let outward = frame.vector_to_world(&out);
-    let is_beside = |curve: &SpaceCurve| is_on_side(curve, &frame.origin, &outward, COINCIDENT * size);
+    let is_beside = |curve: &SpaceCurve| is_on_side((curve, range), &frame.origin, &outward, COINCIDENT * size);
     if !is_beside(directrix) {
         return Err(OffsetError::Endless);
     }
     // Turned, the curve moves along z × out first, and the normal is that of the surface moved against it.
     let across = frame.vector_to_world(&Vec3::new(out.y, -out.x, 0.0));
-    let (line, deviation) = beside(directrix, &across, distance)?;
+    let (line, deviation) = beside((directrix, range), &across, distance)?;
     if !is_beside(&line) {
         return Err(OffsetError::Vanishes(distance));
     }
@@ -193,10 +234,10 @@ fn turned(
 }
 
 /// Whether a curve is nowhere farther than `least` (mm) behind a plane, by the coefficients of its pieces.
-fn is_on_side(curve: &SpaceCurve, origin: &Vec3, normal: &Vec3, least: f64) -> bool {
+fn is_on_side((curve, range): (&SpaceCurve, (f64, f64)), origin: &Vec3, normal: &Vec3, least: f64) -> bool {
     let curve = match curve {
         SpaceCurve::Spline(c) => Ok(c.clone()),
-        other => other.to_spline(0.0, TAU).map(|(c, _)| c),
+        other => other.to_spline(range.0, range.1).map(|(c, _)| c),
     };
     fn is_positive(height: &Bezier<1>, halvings: usize) -> bool {
         height.hull()[0].0 >= 0.0
@@ -266,7 +307,7 @@ fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, SurfaceDe
 
 /// Knots of degree at least 3 with the continuity of the old breaks lowered by one, each span cut in `parts`.
 fn refined(k: &Knots, parts: usize) -> Result<Knots, SplineError> {
-    let degree = k.degree().clamp(3, 5);
+    let degree = k.degree().clamp(3, HIGHEST);
     let (a, b) = k.domain();
     let mut values = vec![a; degree + 1];
     let distinct = k.distinct();
@@ -327,6 +368,11 @@ mod tests {
     use super::*;
     use crate::spline::curve::Curve;
 
+    /// The offset of a surface whose curve says how far it goes.
+    fn offset_of(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, SurfaceDeviation), OffsetError> {
+        of_support(base, distance, stretch_of(base, None, &[]))
+    }
+
     #[test]
     fn offsets_lie_at_the_distance() {
         let f = Frame::world();
@@ -338,7 +384,7 @@ mod tests {
             SupportSurface::Torus { frame: f, major: 5.0, minor: 2.0 },
         ];
         for c in supports {
-            let (o, deviation) = of_support(&c, -0.5).expect("an offset");
+            let (o, deviation) = offset_of(&c, -0.5).expect("an offset");
             assert_eq!(deviation, SurfaceDeviation::NONE);
             for q in [[0.3, 0.2], [2.0, -0.7]] {
                 let j = c.jet(q);
@@ -347,7 +393,7 @@ mod tests {
                 assert!((foot.p - x).norm() < 1e-12, "{c:?}");
             }
         }
-        assert!(of_support(&SupportSurface::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
+        assert!(offset_of(&SupportSurface::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
     }
 
     /// A bicubic over four cells; its weights go from 1 to `heaviest`.
@@ -374,7 +420,7 @@ mod tests {
         for (heaviest, distance) in [(1.0, 0.2), (1.0, -0.3), (1.5, 0.2)] {
             let s = wave(heaviest);
             let (o, deviation) =
-                of_support(&SupportSurface::Spline(SplineSupport::new(s.clone())), distance).expect("an offset");
+                offset_of(&SupportSurface::Spline(SplineSupport::new(s.clone())), distance).expect("an offset");
             let SupportSurface::Spline(o) = o else { unreachable!() };
             let worst = seen(&o.surface, &s, distance);
             assert!(worst > 0.0 && deviation.bound < 1e-4);
@@ -414,7 +460,7 @@ mod tests {
         {
             let base = SupportSurface::Revolution { directrix, frame: f };
             for distance in [3.0, -5.0] {
-                let (o, deviation) = of_support(&base, distance).expect("an offset");
+                let (o, deviation) = offset_of(&base, distance).expect("an offset");
                 assert!(matches!(o, SupportSurface::Revolution { .. }) && deviation.bound < 1e-2, "{deviation:?}");
                 let places: Vec<[f64; 2]> = places.iter().map(|v| [7.0 * v, *v]).collect();
                 are_beside(&base, (&o, deviation), distance, &places);
@@ -426,13 +472,13 @@ mod tests {
             directrix: SpaceCurve::Ellipse { frame: upright, a: 40.0, b: 25.0 },
             frame: f,
         };
-        assert!(matches!(of_support(&thick, 70.0), Err(OffsetError::Vanishes(_))));
+        assert!(matches!(offset_of(&thick, 70.0), Err(OffsetError::Vanishes(_))));
         let through = [[30.0, 0.0], [10.0, 5.0], [-40.0, 10.0], [30.0, 20.0]].map(|[x, z]| [x, 0.0, z, 1.0]);
         let directrix = SpaceCurve::Spline(Curve { knots, control: through.to_vec() });
-        assert_eq!(of_support(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
+        assert_eq!(offset_of(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
         let leaning = Frame { x: Vec3::new(0.8, 0.6, 0.0), z: Vec3::new(0.6, -0.8, 0.0), ..upright };
         let directrix = SpaceCurve::Ellipse { frame: leaning, a: 40.0, b: 25.0 };
-        assert_eq!(of_support(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
+        assert_eq!(offset_of(&SupportSurface::Revolution { directrix, frame: f }, 1.0), Err(OffsetError::Endless));
     }
 
     #[test]
@@ -442,17 +488,18 @@ mod tests {
         let wave = SpaceCurve::Spline(Curve { knots, control: control.to_vec() });
         let base = SupportSurface::Extrusion { directrix: wave, direction: Vec3::new(0.0, 0.3, 1.0) };
         for distance in [2.0, -1.5] {
-            let (o, deviation) = of_support(&base, distance).expect("an offset");
+            let (o, deviation) = offset_of(&base, distance).expect("an offset");
             assert!(matches!(o, SupportSurface::Extrusion { .. }) && deviation.bound < 1e-3, "{deviation:?}");
             are_beside(&base, (&o, deviation), distance, &[[0.1, -400.0], [0.37, 0.0], [0.8, 3000.0]]);
         }
         let directrix = SpaceCurve::Ellipse { frame: Frame::world(), a: 40.0, b: 25.0 };
         let base = SupportSurface::Extrusion { directrix, direction: Vec3::new(0.0, 0.3, 1.0) };
         for distance in [2.0, -5.0] {
-            let (o, deviation) = of_support(&base, distance).expect("an offset");
+            let (o, deviation) = offset_of(&base, distance).expect("an offset");
             assert!(o.periods()[0].is_some() && deviation.bound < 1e-2 && !keeps_parameters(&base), "{deviation:?}");
             // Ends of a rectangle beyond one turn are at the same places of both.
-            let [(from, to), _] = rectangle_of_offset(&base, [(2.0, TAU + 1.0), (0.0, 1.0)]);
+            let [(from, to), _] =
+                rectangle_of_offset(&base, [(2.0, TAU + 1.0), (0.0, 1.0)], stretch_of(&base, None, &[]));
             for (t, u) in [(2.0, from), (TAU + 1.0, to)] {
                 let j = base.jet([t, 0.0]);
                 let x = j.p + j.du.cross(&j.dv).normalize() * distance;
@@ -462,13 +509,43 @@ mod tests {
             are_beside(&base, (&o, deviation), distance, &[[0.1, -400.0], [2.37, 0.0], [5.8, 3000.0]]);
         }
         let directrix = SpaceCurve::Parabola { frame: Frame::world(), focal: 1.0 };
-        assert!(of_support(&SupportSurface::Extrusion { directrix, direction: Vec3::z() }, 1.0).is_err());
+        assert!(offset_of(&SupportSurface::Extrusion { directrix, direction: Vec3::z() }, 1.0).is_err());
+    }
+
+    /// Curvature radii from 40 and 26.7 mm up, so that there is room to both sides.
+    #[test]
+    fn the_offset_of_a_swept_parabola_or_hyperbola_reaches_beyond_the_places_of_its_face() {
+        let f = Frame::world();
+        for directrix in
+            [SpaceCurve::Parabola { frame: f, focal: 20.0 }, SpaceCurve::Hyperbola { frame: f, a: 60.0, b: 40.0 }]
+        {
+            let base = SupportSurface::Extrusion { directrix, direction: Vec3::new(0.2, 0.0, 1.0) };
+            for distance in [5.0, -5.0] {
+                let beside = |t: f64| {
+                    let j = base.jet([t, 30.0 * t]);
+                    j.p + j.du.cross(&j.dv).normalize() * distance
+                };
+                let stretch = stretch_of(&base, None, &[beside(-1.5), beside(0.5)]).expect("a stretch");
+                assert!((stretch.0 + 2.0).abs() < 1e-9 && (stretch.1 - 1.0).abs() < 1e-9, "{stretch:?}");
+                let (o, deviation) = of_support(&base, distance, Some(stretch)).expect("an offset");
+                assert!(deviation.bound < 1e-3, "{deviation:?}");
+                are_beside(&base, (&o, deviation), distance, &[[-1.9, -400.0], [-0.3, 0.0], [0.9, 3000.0]]);
+                let [(from, to), _] = rectangle_of_offset(&base, [(-1.5, 0.5), (0.0, 1.0)], Some(stretch));
+                for (t, u) in [(-1.5, from), (0.5, to)] {
+                    let x = base.jet([t, 0.0]);
+                    let x = x.p + x.du.cross(&x.dv).normalize() * distance;
+                    assert!((o.jet([u, 0.0]).p - x).norm() < deviation.bound + 1e-9, "{t} {u}");
+                }
+            }
+            // A rectangle says how far it goes, too.
+            assert_eq!(stretch_of(&base, Some([(-1.0, 1.0), (0.0, 1.0)]), &[]), Some((-1.0, 1.0)));
+        }
     }
 
     #[test]
     fn what_is_no_offset_is_not_said_to_be_near() {
         let (s, distance) = (wave(1.0), 0.2);
-        let (o, _) = of_support(&SupportSurface::Spline(SplineSupport::new(s.clone())), distance).expect("an offset");
+        let (o, _) = offset_of(&SupportSurface::Spline(SplineSupport::new(s.clone())), distance).expect("an offset");
         let SupportSurface::Spline(o) = o else { unreachable!() };
         // On the other side it is twice the distance away, and a bump counts with its height.
         assert!(distance_from_offset(&o.surface, &s, -distance, 0.0).is_infinite());

@@ -127,8 +127,9 @@ impl Geometry<'_> {
             let same_sense = base.same_sense == same;
             base = Patch { support, same_sense, rectangle: None, chart: None, ..base };
         }
+        let stretch = offset::stretch_of(&base.support, base.rectangle, &[]);
         if !offset::keeps_parameters(&base.support) {
-            let rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r));
+            let rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r, stretch));
             base = Patch { rectangle, chart: None, ..base };
         }
         let jet = base.support.jet(base.support.foot(&middle, None));
@@ -137,10 +138,10 @@ impl Geometry<'_> {
         let is_normal = side.abs() >= NORMAL * normal.norm() * indicator.norm();
         let side = if side == 0.0 && base.same_sense { 1.0 } else { side };
         let distance = e.number(4)? * if side < 0.0 { -1.0 } else { 1.0 };
-        let (support, deviation) = offset::of_support(&base.support, distance)
+        let (support, deviation) = offset::of_support(&base.support, distance, stretch)
             .map_err(|why| Fault::new(e.number, format!("offset surface D{}: {why}", e.number)))?;
         // Some writers take the normal at another place than the middle of the base: edges tell then.
-        let other = if is_normal { None } else { offset::of_support(&base.support, -distance).ok() };
+        let other = if is_normal { None } else { offset::of_support(&base.support, -distance, stretch).ok() };
         let other = other.map(|(support, off)| (support, off.over(base.deviation)));
         let deviation = deviation.over(base.deviation);
         Ok(Patch { support, kind: SurfaceKind::Offset, deviation, round: None, other, ..base })

@@ -73,6 +73,11 @@ type Directrix = (SpaceCurve, bool, Option<(f64, f64)>);
 impl<'r, 'a> Geometry<'r, 'a> {
     /// The surface `#id`.
     pub fn surface(&self, id: u64, depth: u32) -> Result<Patch, Fault> {
+        self.surface_near(id, &[], depth)
+    }
+
+    /// The surface `#id`, of an offset without ends as far as it goes near `places` (mm).
+    pub fn surface_near(&self, id: u64, places: &[Vec3], depth: u32) -> Result<Patch, Fault> {
         if depth > DEEPEST {
             return Err(too_deep(id));
         }
@@ -100,22 +105,11 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 let support = SupportSurface::Revolution { directrix, frame };
                 Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Revolution) })
             }
-            "OFFSET_SURFACE" => {
-                let mut base = self.surface(a.reference(1)?, depth + 1)?;
-                if let Some((support, same)) = recast::elementary(&base.support).filter(|_| base.rectangle.is_none()) {
-                    base = Patch { support, same_sense: base.same_sense == same, recast: true, ..base };
-                }
-                let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
-                if !offset::keeps_parameters(&base.support) {
-                    base.rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r));
-                    base.recast = true;
-                }
-                let (support, deviation) = offset::of_support(&base.support, distance)
-                    .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
-                Ok(Patch { support, kind: SurfaceKind::Offset, deviation: deviation.over(base.deviation), ..base })
+            "OFFSET_SURFACE" => self.offset(id, &a, places, depth),
+            "RECTANGULAR_TRIMMED_SURFACE" => {
+                self.rectangle_of(self.surface_near(a.reference(1)?, places, depth + 1)?, &a)
             }
-            "RECTANGULAR_TRIMMED_SURFACE" => self.rectangle_of(self.surface(a.reference(1)?, depth + 1)?, &a),
-            "CURVE_BOUNDED_SURFACE" => self.surface(a.reference(1)?, depth + 1),
+            "CURVE_BOUNDED_SURFACE" => self.surface_near(a.reference(1)?, places, depth + 1),
             "ORIENTED_SURFACE" => Err(Fault::new(id, format!("the oriented surface #{id} is not read"))),
             "SURFACE_REPLICA" => {
                 let mut base = self.surface(a.reference(1)?, depth + 1)?;
@@ -130,6 +124,23 @@ impl<'r, 'a> Geometry<'r, 'a> {
             }
             other => Err(Fault::new(id, format!("a surface of kind {other} is not read"))),
         }
+    }
+
+    /// An offset surface.
+    fn offset(&self, id: u64, a: &Args, places: &[Vec3], depth: u32) -> Result<Patch, Fault> {
+        let mut base = self.surface_near(a.reference(1)?, places, depth + 1)?;
+        if let Some((support, same)) = recast::elementary(&base.support).filter(|_| base.rectangle.is_none()) {
+            base = Patch { support, same_sense: base.same_sense == same, recast: true, ..base };
+        }
+        let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
+        let stretch = offset::stretch_of(&base.support, base.rectangle, places);
+        if !offset::keeps_parameters(&base.support) {
+            base.rectangle = base.rectangle.map(|r| offset::rectangle_of_offset(&base.support, r, stretch));
+            base.recast = true;
+        }
+        let (support, deviation) = offset::of_support(&base.support, distance, stretch)
+            .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
+        Ok(Patch { support, kind: SurfaceKind::Offset, deviation: deviation.over(base.deviation), ..base })
     }
 
     /// An elementary surface.

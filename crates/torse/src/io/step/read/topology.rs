@@ -29,7 +29,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         match r.name() {
             "ADVANCED_FACE" | "FACE_SURFACE" => {
                 let surface = a.reference(2)?;
-                let patch = self.surface(surface, 0)?;
+                let patch = self.surface_near(surface, &self.places(surface, &a), 0)?;
                 let plane = ParameterPlane { surface, scale: patch.parameter_units(self.units) };
                 let mut loops = Vec::new();
                 for b in a.references(1)? {
@@ -83,18 +83,30 @@ impl<'r, 'a> Geometry<'r, 'a> {
         }
         let a = self.records.simple(id).ok()?;
         match self.records.name(id) {
-            "ADVANCED_FACE" | "FACE_SURFACE" => {
-                let plane = ParameterPlane { surface: 0, scale: [1.0; 2] };
-                let bounds = a.references(1).ok()?;
-                let loops: Result<Vec<RawLoop>, Fault> = bounds.into_iter().map(|b| self.bound(b, &plane)).collect();
-                spanned_area_estimate(&loops.ok()?)
-            }
+            "ADVANCED_FACE" | "FACE_SURFACE" => spanned_area_estimate(&self.loops_alone(&a).ok()?),
             "ORIENTED_FACE" => self.spanned_area(a.reference(2).ok()?, depth + 1),
             _ => match self.face(id, false, 0).ok()?.region {
                 Region::Loops(loops) => spanned_area_estimate(&loops),
                 _ => None,
             },
         }
+    }
+
+    /// The loops of a face without what its surface says of them.
+    fn loops_alone(&self, a: &Args) -> Result<Vec<RawLoop>, Fault> {
+        let plane = ParameterPlane { surface: 0, scale: [1.0; 2] };
+        a.references(1)?.into_iter().map(|b| self.bound(b, &plane)).collect()
+    }
+
+    /// Places (mm) along the edges of a face on an offset, which may have no end of its own; none on other surfaces.
+    fn places(&self, surface: u64, a: &Args) -> Vec<Vec3> {
+        if self.records.name(surface) != "OFFSET_SURFACE" {
+            return Vec::new();
+        }
+        let arcs = |l: RawLoop| l.edges.into_iter().flat_map(|e| e.path);
+        let along = |p: Arc| p.curve.stations(p.from, p.to).into_iter().map(|t| p.curve.point(t)).collect::<Vec<_>>();
+        self.loops_alone(a)
+            .map_or_else(|_| Vec::new(), |loops| loops.into_iter().flat_map(arcs).flat_map(along).collect())
     }
 
     fn raw(&self, id: u64, name: &str, patch: Patch, region: Region) -> RawFace {
