@@ -6,7 +6,7 @@
 //! directions of groups 12 and 13 at the ends where the file gives them, else without curvature there
 //! ([`through::cubic`]); closed ones go on smoothly where they close.
 //! Polylines are read as their segments; of those that are smoothed, the vertices of the frame are passed over.
-//! Other entities (texts, dimensions, blocks, meshes) are counted by kind, so that it can be said what was not read.
+//! Other entities (texts, dimensions, insertions, meshes) are counted by kind, so that it can be said what was not read.
 
 use super::options::{CurveError, CurveOptions, Found};
 use crate::brep::space_curve::SpaceCurve;
@@ -52,11 +52,12 @@ pub(super) enum Fault {
     Spline(#[from] SplineError),
 }
 
-/// One entity: its kind, its groups, and the vertices of an old polyline, which are entities of the file.
+/// One entity: its kind, its groups, and what belongs to it though it is an entity of the file: vertices of an old polyline, attributes
+/// of an insertion.
 pub(super) struct Entity<'a> {
     pub kind: &'a str,
     groups: Vec<(i32, &'a str)>,
-    vertices: Vec<Entity<'a>>,
+    pub parts: Vec<Entity<'a>>,
 }
 
 impl Entity<'_> {
@@ -78,8 +79,18 @@ impl Entity<'_> {
         (value > 0.0).then_some(value).ok_or(Fault::Positive { code, value })
     }
 
+    /// All texts of a group.
+    pub fn all_texts(&self, code: i32) -> impl Iterator<Item = &str> {
+        self.groups.iter().filter(move |g| g.0 == code).map(|g| g.1)
+    }
+
+    /// Which of these groups comes last.
+    pub fn last_of(&self, codes: [i32; 2]) -> Option<i32> {
+        self.groups.iter().rev().map(|g| g.0).find(|c| codes.contains(c))
+    }
+
     /// Bits of a group.
-    fn flags(&self, code: i32) -> Result<i64, Fault> {
+    pub fn flags(&self, code: i32) -> Result<i64, Fault> {
         Ok(self.number(code)?.unwrap_or(0.0) as i64)
     }
 
@@ -193,7 +204,7 @@ pub(super) fn drawn_unit(groups: &[(i32, &str)], options: &CurveOptions) -> Resu
     }
 }
 
-/// Entities of a section, as ENTITIES; vertices of old polylines belong to their polyline. `None` if the section does not
+/// Entities of a section, as ENTITIES; vertices of old polylines belong to their polyline, attributes to their insertion. `None` if the section does not
 /// end.
 pub(super) fn entities<'a>(groups: &[(i32, &'a str)], wanted: &str) -> Option<Vec<Entity<'a>>> {
     let mut out: Vec<Entity> = Vec::new();
@@ -217,14 +228,35 @@ pub(super) fn entities<'a>(groups: &[(i32, &'a str)], wanted: &str) -> Option<Ve
         if section != wanted {
             continue;
         }
-        let entity = Entity { kind: value, groups: own, vertices: Vec::new() };
+        let entity = Entity { kind: value, groups: own, parts: Vec::new() };
         match (value, out.last_mut()) {
-            ("VERTEX", Some(last)) if last.kind == "POLYLINE" => last.vertices.push(entity),
+            ("VERTEX", Some(last)) if last.kind == "POLYLINE" => last.parts.push(entity),
+            ("ATTRIB", Some(last)) if last.kind == "INSERT" => last.parts.push(entity),
             ("SEQEND", _) => {}
             _ => out.push(entity),
         }
     }
     (section != wanted).then_some(out)
+}
+
+/// A string with the letters that it has as \U+ and four digits.
+pub(super) fn unescaped(text: &str) -> String {
+    let mut parts = text.split("\\U+");
+    let mut out = parts.next().unwrap_or("").to_owned();
+    for part in parts {
+        let letter = part.get(..4).and_then(|d| u32::from_str_radix(d, 16).ok()).and_then(char::from_u32);
+        match letter {
+            Some(letter) => {
+                out.push(letter);
+                out.push_str(&part[4..]);
+            }
+            None => {
+                out.push_str("\\U+");
+                out.push_str(part);
+            }
+        }
+    }
+    out
 }
 
 fn straight(p: Vec3, q: Vec3, unit: f64) -> Result<Curve<4>, SplineError> {
@@ -308,7 +340,7 @@ fn corners(e: &Entity) -> Result<Option<Vec<(Vec3, f64)>>, Fault> {
             return Ok(None);
         }
         let mut points = Vec::new();
-        for v in &e.vertices {
+        for v in &e.parts {
             let number = |code: i32| v.number(code).map(|x| x.unwrap_or(0.0));
             let corner = (Vec3::new(number(10)?, number(20)?, number(30)?), number(42)?);
             // Vertices of the frame are not on a polyline that is smoothed.

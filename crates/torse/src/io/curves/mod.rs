@@ -1,8 +1,10 @@
 //! Curves from files, as rails: STEP edges, IGES curves, DXF entities, tables of points. Formats only; the geometry of joining is
 //! [`Rail`]'s.
 
+mod blocks;
 mod csv;
 mod dxf;
+mod mtext;
 mod options;
 mod sketch;
 
