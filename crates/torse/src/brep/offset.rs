@@ -46,8 +46,8 @@ const HIGHEST: usize = 5;
 const ROUNDS: usize = 4;
 
 /// The stretch of the curve that sweeps a surface, in natural parameters, of which an offset is read: all of a spline or an ellipse;
-/// of a parabola or hyperbola what `rectangle` says, else what reaches a little beyond `places` (mm) of the offset. `None` where that is
-/// not known, and for surfaces that no such curve sweeps.
+/// of a parabola or hyperbola what reaches a little beyond `places` (mm) of the offset, else what `rectangle` says, which some programs
+/// give in parameters of their own. `None` where that is not known, and for surfaces that no such curve sweeps.
 pub(crate) fn stretch_of(
     base: &SupportSurface,
     rectangle: Option<[(f64, f64); 2]>,
@@ -57,11 +57,12 @@ pub(crate) fn stretch_of(
     match directrix {
         SpaceCurve::Spline(c) => Some(c.domain()),
         SpaceCurve::Ellipse { .. } => Some((0.0, TAU)),
-        SpaceCurve::Parabola { .. } | SpaceCurve::Hyperbola { .. } => rectangle.map(|r| r[axis]).or_else(|| {
+        SpaceCurve::Parabola { .. } | SpaceCurve::Hyperbola { .. } => {
             let feet = places.iter().map(|x| base.foot(x, None)[axis]);
             let (lo, hi) = feet.fold((f64::INFINITY, f64::NEG_INFINITY), |b, t| (b.0.min(t), b.1.max(t)));
-            (lo < hi).then(|| (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo)))
-        }),
+            let beyond = BEYOND * (hi - lo);
+            (lo < hi).then_some((lo - beyond, hi + beyond)).or_else(|| rectangle.map(|r| r[axis]))
+        }
         SpaceCurve::Line { .. } | SpaceCurve::Traced(_) => None,
     }
 }
@@ -537,8 +538,12 @@ mod tests {
                     assert!((o.jet([u, 0.0]).p - x).norm() < deviation.bound + 1e-9, "{t} {u}");
                 }
             }
-            // A rectangle says how far it goes, too.
-            assert_eq!(stretch_of(&base, Some([(-1.0, 1.0), (0.0, 1.0)]), &[]), Some((-1.0, 1.0)));
+            // Where there are no places, a rectangle says how far it goes.
+            let rectangle = Some([(-100.0, 100.0), (0.0, 1.0)]);
+            assert_eq!(stretch_of(&base, rectangle, &[]), Some((-100.0, 100.0)));
+            let (from, to) =
+                stretch_of(&base, rectangle, &[base.jet([-1.0, 0.0]).p, base.jet([1.0, 0.0]).p]).expect("a stretch");
+            assert!((from + 1.5).abs() < 1e-9 && (to - 1.5).abs() < 1e-9, "{from} {to}");
         }
     }
 
