@@ -547,6 +547,12 @@ impl Walk<'_> {
             worst = worst.max(d);
             seen = seen.max(total);
         }
+        // Samples may all be near the ends, as beside knots that are near each other.
+        if worst <= self.tolerance {
+            let (d, total, _) = self.between_ends((s.ts[i], s.qs[i]), (s.ts[j], s.qs[j]));
+            worst = d;
+            seen = seen.max(total);
+        }
         if worst <= self.tolerance {
             self.deviation = self.deviation.max(seen);
             self.points.push(b);
@@ -558,8 +564,9 @@ impl Walk<'_> {
         self.over(m, j)
     }
 
-    /// Chords between two samples, halving where needed.
-    fn between(&mut self, p: (f64, [f64; 2]), q: (f64, [f64; 2]), depth: u32) -> Result<(), TrimError> {
+    /// Distances of a quarter, three quarters and half of the way between two samples from their chord: the greatest one of feet and of
+    /// points of the curve; and parameter and foot half way.
+    fn between_ends(&self, p: (f64, [f64; 2]), q: (f64, [f64; 2])) -> (f64, f64, (f64, [f64; 2])) {
         let (a, b) = (self.forward(p.1), self.forward(q.1));
         let mut worst = 0.0_f64;
         let mut seen = 0.0_f64;
@@ -574,6 +581,13 @@ impl Walk<'_> {
             seen = seen.max(total);
             middle = (t, foot);
         }
+        (worst, seen, middle)
+    }
+
+    /// Chords between two samples, halving where needed.
+    fn between(&mut self, p: (f64, [f64; 2]), q: (f64, [f64; 2]), depth: u32) -> Result<(), TrimError> {
+        let b = self.forward(q.1);
+        let (worst, seen, middle) = self.between_ends(p, q);
         let deepest = if self.vain > VAIN { ENOUGH } else { DEEPEST };
         if worst <= self.tolerance || depth >= deepest {
             self.vain += usize::from(worst > self.tolerance);
@@ -641,6 +655,28 @@ mod tests {
             Walk { support, pcurve, map, periods: [None; 2], tolerance: 1.0, points, at, deviation: 0.0, vain: 0 };
         let total = |height: f64| walk.deviation_of(5.0, [3.75, height], [0.0, height], [10.0, height]).1;
         assert!(total(0.0) < 1e-12 && (total(2.0) - 2.0).abs() < 1e-12, "{} {}", total(0.0), total(2.0));
+    }
+
+    /// A circle with a knot close behind another one: the samples on a chord may be at its ends.
+    #[test]
+    fn chords_are_looked_at_between_samples_too() {
+        let support = SupportSurface::Plane(Frame::world());
+        let circle = SpaceCurve::Ellipse { frame: Frame::world(), a: 10.0, b: 10.0 };
+        let (spline, _) = circle.to_spline(0.0, 1.0).expect("an arc");
+        let more: Vec<f64> = (1..40).flat_map(|k| [f64::from(k) / 40.0, f64::from(k) / 40.0 + 1e-7]).collect();
+        let spline = spline.with_knots(&more).expect("knots");
+        let arc = Arc { curve: SpaceCurve::Spline(spline), from: 0.0, to: 1.0 };
+        let ground = Ground::new(&support, 10.0, 0.0);
+        let pcurve = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
+        let chain = Chain { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
+        let map = [ParameterMap::Same, ParameterMap::Same];
+        for tolerance in [1e-3, 2e-4, 5e-5, 1e-5] {
+            let points = chords(&support, &chain, &map, 10.0, tolerance).expect("chords").polygon.points;
+            let middle = |w: &[[f64; 2]]| 0.5 * (w[0][0] + w[1][0]).hypot(w[0][1] + w[1][1]);
+            // Not the chord that closes the polygon.
+            let rise = points.windows(2).map(|w| 10.0 - middle(w)).fold(0.0, f64::max);
+            assert!(rise <= tolerance, "{rise} {tolerance}");
+        }
     }
 
     /// A cylinder with one control point far away: feet on it scatter by more than chords may be off.
