@@ -5,6 +5,8 @@
 //! whole is moved onto the outline as drawn: first by area, centre and axes of inertia, then by the nearest points of the
 //! outline, last by the corners, which are exact images.
 
+mod inverse;
+
 use super::align::{fitted, settled, Moments};
 use super::drawn::{area, bounds, distance, inside, sides, FlatPart};
 use crate::brep::body::{oriented, Body};
@@ -19,7 +21,6 @@ use crate::develop::unfold::region::Motion;
 use crate::develop::unfold::tree::{unfold, Joins, UnfoldOptions};
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::spline::surface::Surface;
-use nalgebra::Matrix2;
 
 /// A panel as its file has it: a ruled patch and the region of its parameter plane.
 #[derive(Clone, Debug)]
@@ -62,6 +63,8 @@ pub struct PlacedPanel {
     border: Vec<BorderPiece>,
     /// By how much a place may lie beyond the patch and still be on it: ahead of and behind it in both parameters.
     slack: [[f64; 2]; 2],
+    /// First and last parameter of the rulings that its loops reach.
+    ends: [f64; 2],
 }
 
 /// A piece of a panel's border: parameters and places of its ends.
@@ -172,21 +175,11 @@ const NEAREST_PIECES: usize = 4;
 const NEAREST_SEEDS: usize = 3;
 /// Steps of Newton's method.
 const STEPS: usize = 30;
-/// Share of the distance that is left after a step with which derivatives do for the next one, too.
-const AS_STEEP: f64 = 0.1;
 /// Share of a patch by which a place may lie beyond an edge and still be on it: drawn outlines are a little off. Where an edge
 /// is shorter than the next share of the other, as beside an apex, nothing may but beyond that other one.
 const EDGE: f64 = 1e-3;
 /// See [`EDGE`].
 const TIP: f64 = 0.1;
-/// Share of a panel's parameters by which differences for derivatives are taken: the root of rounding's share.
-const DIFFERENCE: f64 = 1e-6;
-/// Share of these differences below which a step goes nowhere.
-const STANDS: f64 = 1e-9;
-/// Share of a patch by which places may lie beyond it.
-const MARGIN: f64 = 0.05;
-/// Seeds from which places on a patch are looked for where the nearest leads beyond it: at an apex all of one row are one point.
-const STARTS: usize = 2 * (SEEDS.0 + 1);
 /// Share of the size below which places have been found.
 const FOUND: f64 = 1e-13;
 /// Share of the size within which two corners of a panel are beside the tip of a cone.
@@ -249,7 +242,7 @@ impl PlacedPanel {
         let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
         let (region, bounds) = (panel.loops.iter().map(polygon).collect(), panel.surface.bbox());
         let (flat, seeds, places, border) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut out = Self { panel, map, own, region, bounds, flat, seeds, places, border, slack };
+        let mut out = Self { panel, map, own, region, bounds, flat, seeds, places, border, slack, ends: [0.0; 2] };
         out.flat = out.images();
         out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -259,6 +252,7 @@ impl PlacedPanel {
             .iter()
             .flatten()
             .fold(start, |b, p| [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])]);
+        out.ends = [b[0], b[1]];
         for i in 0..=SEEDS.0 {
             for j in 0..=SEEDS.1 {
                 let uv = [
@@ -309,78 +303,6 @@ impl PlacedPanel {
             Map::Parameters => Vec2::new(uv[0], uv[1]),
         };
         self.own.apply(&p)
-    }
-
-    /// Parameters whose image is nearest to a point, and how far it is; those on the patch where there are some: beside an apex
-    /// places beyond the patch have the same images, and at it no search leads anywhere.
-    fn inverse(&self, q: &Vec2, size: f64) -> ([f64; 2], f64) {
-        let far = |s: &([f64; 2], Vec2)| (s.1 - q).norm_squared();
-        let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
-        let [[a, b], [c, d]] = self.slack;
-        let on_patch = |uv: [f64; 2]| uv[0] >= u0 - a && uv[0] <= u1 + b && uv[1] >= v0 - c && uv[1] <= v1 + d;
-        let found = |(uv, off): ([f64; 2], f64)| on_patch(uv) && off <= FOUND * size;
-        let Some(&(near, _)) = self.seeds.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else {
-            return ([0.0; 2], f64::INFINITY);
-        };
-        // A little beyond the patch its last pieces go on; far beyond they mean nothing.
-        let first = self.followed(q, near, (size, MARGIN));
-        if found(first) {
-            return first;
-        }
-        let mut seeds: Vec<_> = self.seeds.iter().collect();
-        seeds.sort_by(|a, b| far(a).total_cmp(&far(b)));
-        let mut best = first;
-        for seed in seeds.iter().take(STARTS) {
-            let next = self.followed(q, seed.0, (size, 0.0));
-            if next.1 < best.1 {
-                best = next;
-            }
-            if found(next) {
-                return next;
-            }
-        }
-        best
-    }
-
-    /// Newton's method towards a point from given parameters, which keep to the patch and a share of it beyond.
-    fn followed(&self, q: &Vec2, mut uv: [f64; 2], (size, margin): (f64, f64)) -> ([f64; 2], f64) {
-        let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
-        let h = [DIFFERENCE * (u1 - u0), DIFFERENCE * (v1 - v0)];
-        let (du, dv) = (margin * (u1 - u0), margin * (v1 - v0));
-        let mut best = (uv, f64::INFINITY);
-        let mut inverse: Option<Matrix2<f64>> = None;
-        let mut before = f64::INFINITY;
-        for _ in 0..STEPS {
-            let off = q - self.own_flat(uv);
-            if off.norm() < best.1 {
-                best = (uv, off.norm());
-            }
-            if off.norm() <= FOUND * size {
-                break;
-            }
-            // Derivatives are taken anew where those of the last step lead on no more.
-            if inverse.is_none() || off.norm() > AS_STEEP * before {
-                let slope = |k: usize| {
-                    let (mut a, mut b) = (uv, uv);
-                    a[k] -= h[k];
-                    b[k] += h[k];
-                    (self.own_flat(b) - self.own_flat(a)) / (2.0 * h[k])
-                };
-                inverse = Matrix2::from_columns(&[slope(0), slope(1)]).try_inverse();
-            }
-            before = off.norm();
-            let Some(step) = inverse.map(|i| i * off) else { break };
-            if !(step.x.is_finite() && step.y.is_finite()) {
-                break;
-            }
-            let next = [(uv[0] + step.x).clamp(u0 - du, u1 + du), (uv[1] + step.y).clamp(v0 - dv, v1 + dv)];
-            // At a border beyond which the point lies, or at what rounding leaves.
-            if (0..2).all(|k| (next[k] - uv[k]).abs() <= STANDS * h[k]) {
-                break;
-            }
-            uv = next;
-        }
-        best
     }
 
     fn contains(&self, uv: [f64; 2]) -> bool {
