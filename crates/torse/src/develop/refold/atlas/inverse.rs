@@ -32,7 +32,7 @@ impl PlacedPanel {
         // A little beyond the patch its last pieces go on; far beyond they mean nothing.
         let first = self.followed(q, near, (size, MARGIN));
         if found(first) {
-            return self.from_other_end(q, first.0, size).unwrap_or(first);
+            return self.at_other_end(q, first.0, size).unwrap_or(first);
         }
         let mut seeds: Vec<_> = self.seeds.iter().collect();
         seeds.sort_by(|a, b| far(a).total_cmp(&far(b)));
@@ -51,7 +51,7 @@ impl PlacedPanel {
 
     /// The place within the panel's first and last ruling that has the same image as one beyond them: patches go on beyond their
     /// panels, and those of shallow cones all round over the slit.
-    fn from_other_end(&self, q: &Vec2, beyond: [f64; 2], size: f64) -> Option<([f64; 2], f64)> {
+    fn at_other_end(&self, q: &Vec2, beyond: [f64; 2], size: f64) -> Option<([f64; 2], f64)> {
         let column = |i: usize| &self.seeds[i * (SEEDS.1 + 1)..(i + 1) * (SEEDS.1 + 1)];
         let ([lo, hi], hair) = (self.ends, EDGE_HAIR * (self.ends[1] - self.ends[0]));
         let other = match beyond[0] {
