@@ -375,14 +375,15 @@ mod tests {
 
     #[test]
     fn no_cone_is_a_flat_ring() {
-        // Six chords of a circle of radius 50 mm keep within 3.35 mm of it, but two would be square to the axis; seven within 2.48.
+        // Six chords round a circle of radius 50 mm keep within 50 tan² 15° = 3.59 mm of it, but two would be square to the axis; seven
+        // keep within 2.61 mm.
         let axis = frame(Vec3::zeros(), Vec3::z());
         let centre = Frame { origin: axis.x * 150.0, y: axis.z, z: -axis.y, ..axis };
         let circle = SpaceCurve::Ellipse { frame: centre, a: 50.0, b: 50.0 };
         let face = Face::untrimmed(revolve(&circle, &axis, (0.0, TAU), (0.0, TAU)).expect("a surface").0);
-        let (_, state) = cones(&face, 3.6).expect("cones");
+        let (_, state) = cones(&face, 3.8).expect("cones");
         assert!(state.is_complete() && state.panels.len() == 7, "{}", state.panels.len());
-        assert!(state.panels.values().all(|fit| fit.error < 2.6));
+        assert!(state.panels.values().all(|fit| fit.error < 2.7));
     }
 
     #[test]
