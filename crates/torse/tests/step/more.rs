@@ -263,6 +263,32 @@ fn offsets_of_turned_splines_are_turned() {
     assert!(bound < 1e-2, "{bound}");
 }
 
+/// A sheet 5 mm inside a parabola of 20 mm focal distance, its edges chords. The rectangle is in parameters that some programs write,
+/// 40 times those of the standard.
+#[test]
+fn offsets_of_extruded_parabolas_go_as_far_as_their_edges() {
+    let mut s = Step::new(Unit::Millimetre);
+    let axis = s.axis([0., 0., 0.], [0., 1., 0.], [1., 0., 0.]);
+    let parabola = s.add(&format!("PARABOLA('',#{axis},20.)"));
+    let along = s.vector([0., 1., 0.], 1.);
+    let swept = s.add(&format!("SURFACE_OF_LINEAR_EXTRUSION('',#{parabola},#{along})"));
+    let cut = s.add(&format!("RECTANGULAR_TRIMMED_SURFACE('',#{swept},-100.,100.,0.,150.,.T.,.T.)"));
+    let surface = s.add(&format!("OFFSET_SURFACE('',#{cut},5.,.F.)"));
+    let at = |t: f64, y: f64| {
+        let inwards = 5.0 / t.hypot(1.0);
+        [20.0 * t * t + inwards, y, inwards * t - 40.0 * t]
+    };
+    let places = |n: i32| (0..=n).map(move |k| 5.0 * f64::from(k) / f64::from(n) - 2.5);
+    let corners: Vec<_> = places(40).map(|t| at(t, 0.0)).chain(places(40).map(|t| at(-t, 150.0))).collect();
+    let edges = s.polygon(&corners);
+    s.face("", surface, &[(edges, true)], true);
+    let (area, bound) = measured(&model(&s).faces[0]);
+    let line: Vec<_> = places(20_000).map(|t| at(t, 0.0)).collect();
+    let length: f64 = line.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][2] - w[0][2])).sum();
+    assert!((area / (150.0 * length) - 1.0).abs() < 1e-4, "{area} {length}");
+    assert!(bound < 0.2, "{bound}");
+}
+
 #[test]
 fn bounded_surfaces_are_named_or_read() {
     let mut s = Step::new(Unit::Millimetre);
