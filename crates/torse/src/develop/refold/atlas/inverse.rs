@@ -59,7 +59,12 @@ impl PlacedPanel {
             u if u > hi + hair => column(0),
             _ => return None,
         };
-        let inside = |(uv, off): &([f64; 2], f64)| uv[0] >= lo - hair && uv[0] <= hi + hair && *off <= FOUND * size;
+        // At a tip all rulings have one image: that is no other place.
+        let point = |uv: [f64; 2]| self.panel.surface.point(uv[0], uv[1]);
+        let is_other = |uv: [f64; 2]| (point(uv) - point(beyond)).norm() > EDGE_HAIR * size;
+        let inside = |(uv, off): &([f64; 2], f64)| {
+            uv[0] >= lo - hair && uv[0] <= hi + hair && *off <= FOUND * size && is_other(*uv)
+        };
         other.iter().map(|seed| self.followed(q, seed.0, (size, 0.0))).find(inside)
     }
 
