@@ -219,8 +219,8 @@ impl Ruled {
         self.step_and_error(from, a, b).map(|s| s.0)
     }
 
-    /// One step, and by how much (mm) its base point differs if Simpson's rule is taken for the whole; the turn does not depend on the
-    /// state, so its slopes serve for both.
+    /// One step, and by how much (mm) the base point would differ after two halves of it; the turn does not depend on the state, so its
+    /// slopes serve for both.
     fn step_and_error(&self, from: State, a: f64, b: f64) -> Option<(State, f64)> {
         let h = b - a;
         let slope = |s: f64| {
@@ -240,13 +240,10 @@ impl Ruled {
             Vec2::new(c * f[k].1.x - s * f[k].1.y, s * f[k].1.x + c * f[k].1.y)
         };
         let v = [turned(0), turned(1), turned(2), turned(3), turned(4)];
-        // By halves, and by the whole.
-        let moved = (v[0] + v[1] * 4.0 + v[2] * 2.0 + v[3] * 4.0 + v[4]) * (h / 12.0);
-        let coarse = (v[0] + v[2] * 4.0 + v[4]) * (h / 6.0);
-        let bent = from.bent + h / 12.0 * (f[0].2 + 4.0 * f[1].2 + 2.0 * f[2].2 + 4.0 * f[3].2 + f[4].2);
-        // A fifteenth of the difference is what halves are off, and what is added.
-        let base = from.base + moved + (moved - coarse) / 15.0;
-        Some((State { turn: whole, base, bent }, (moved - coarse).norm()))
+        let moved = (v[0] + v[2] * 4.0 + v[4]) * (h / 6.0);
+        let by_halves = (v[0] + v[1] * 4.0 + v[2] * 2.0 + v[3] * 4.0 + v[4]) * (h / 12.0);
+        let bent = from.bent + h / 6.0 * (f[0].2 + 4.0 * f[2].2 + f[4].2);
+        Some((State { turn: whole, base: from.base + moved, bent }, (by_halves - moved).norm()))
     }
 
     /// The ruling at a share of the turn of the normal.
