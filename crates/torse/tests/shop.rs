@@ -76,16 +76,21 @@ fn limits_that_nothing_can_keep_are_named_at_once() {
     assert!(matches!(e, ApproximateError::TooNarrow { .. }), "{e}");
 }
 
-/// The panel of a pipe meets itself: both ends carry the same marks, at the same places in space.
+/// The panel of a pipe meets itself: both ends carry the same marks, at the same places in space, as those of a seam where they are one
+/// edge.
 #[test]
 fn both_sides_of_a_joint_carry_the_same_marks() {
-    let a = answer(PIPE, 0.5, Limits::default());
-    assert_eq!((a.status(), a.patterns().len()), (Status::Certified, 1));
-    let mut labels: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for m in a.patterns()[0].marks.iter().filter(|m| m.on == MarkPlace::Joint) {
-        labels.entry(&m.label).or_default().push(m.point.y.min(m.point.x));
+    let model = read_step(PIPE).expect("our own model");
+    for (meet, place) in [(true, MarkPlace::Seam), (false, MarkPlace::Joint)] {
+        let a = approximate(&model, &Approximate { meet, ..Approximate::new(0.5) }).expect("an answer");
+        assert_eq!((a.status(), a.patterns().len()), (Status::Certified, 1));
+        let mut labels: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for m in &a.patterns()[0].marks {
+            assert!(m.on == place);
+            labels.entry(&m.label).or_default().push(m.point.y.min(m.point.x));
+        }
+        assert!(labels.len() > 2 && labels.values().all(|v| v.len() == 2), "{labels:?}");
     }
-    assert!(labels.len() > 2 && labels.values().all(|v| v.len() == 2), "{labels:?}");
 }
 
 #[test]
