@@ -51,6 +51,7 @@ pub(in crate::io) fn sketch(bytes: &[u8], options: &CurveOptions) -> Result<(Ske
         unread: Vec::new(),
         without_length: 0,
         apart: 0,
+        copied: 0,
     };
     for e in dxf::entities(&groups, "ENTITIES").ok_or_else(|| damaged(dxf::CUT_OFF.into()))? {
         reader.entity(&e, None)?;
@@ -71,8 +72,10 @@ pub(in crate::io) fn sketch(bytes: &[u8], options: &CurveOptions) -> Result<(Ske
 /// Number of the colour of layers that have none.
 const WHITE: i32 = 7;
 
-/// Things of one drawing at most: blocks in blocks multiply.
-const MOST_ITEMS: usize = 1_000_000;
+/// Copies of blocks with what they hold, at most: blocks in blocks multiply.
+const MOST_COPIED: usize = 1_000_000;
+/// Blocks in each other at most; drawings have a few.
+const MOST_NESTED: usize = 64;
 
 /// A drawing that is being read.
 struct Reader<'a> {
@@ -86,6 +89,8 @@ struct Reader<'a> {
     without_length: usize,
     /// Insertions that were taken apart.
     apart: usize,
+    /// Copies of blocks that they made, with what these hold.
+    copied: usize,
 }
 
 /// An insertion in whose block an entity is.
@@ -129,9 +134,6 @@ impl Reader<'_> {
                 let what = format!("{name} lies more than {FARTHEST:e} mm from the origin; check the unit");
                 return Err(damaged(file, what));
             }
-            if self.out.items.len() == MOST_ITEMS {
-                return Err(damaged(file, format!("its blocks hold more than {MOST_ITEMS} things")));
-            }
             let name = if count > 1 { format!("{name} line {}", k + 1) } else { name.clone() };
             self.out.items.push(Item { name, style: style.clone(), shape });
         }
@@ -143,7 +145,18 @@ impl Reader<'_> {
         let key = e.text(2).to_lowercase();
         let open = within.map_or(&[][..], |w| w.open);
         let Some(block) = self.blocks.get(&key).filter(|_| !open.contains(&key)) else { return Ok(false) };
+        if open.len() == MOST_NESTED {
+            return Err(damaged(
+                self.file,
+                format!("INSERT {}: more than {MOST_NESTED} blocks lie in each other", e.text(5)),
+            ));
+        }
         let all = copies(e, &block.base, self.unit).map_err(|x| damaged(self.file, format!("{name}: {x}")))?;
+        self.copied = self.copied.saturating_add(all.len().saturating_mul(block.entities.len() + 1));
+        if self.copied > MOST_COPIED {
+            let what = format!("INSERT {}: blocks in blocks make more than {MOST_COPIED} copies of things", e.text(5));
+            return Err(damaged(self.file, what));
+        }
         let open: Vec<String> = open.iter().cloned().chain([key]).collect();
         for own in all {
             let place = within.map_or(own, |w| w.place.after(&own));
@@ -315,6 +328,19 @@ mod tests {
         assert!(items.len() == 6 && notes[0].contains("6 INSERT"), "{notes:?}");
         let many = read(block, "0\nINSERT\n2\nP\n10\n0\n20\n0\n70\n1000\n71\n1000\n").expect_err("too many");
         assert!(many.to_string().contains("copies in rows and columns"), "{many}");
+    }
+
+    #[test]
+    fn blocks_that_multiply_or_lie_deep_in_each_other_are_refused() {
+        let block = |k: usize, inner: &str| format!("0\nBLOCK\n2\nB{k}\n10\n0\n20\n0\n{inner}0\nENDBLK\n");
+        let insert = |k: usize, more: &str| format!("0\nINSERT\n5\nC{k}\n2\nB{k}\n10\n0\n20\n0\n{more}");
+        // Nothing is in the last block: without limits 10^28 copies of nothing.
+        let many: String = (0..7).map(|k| block(k, &insert(k + 1, "70\n100\n71\n100\n"))).collect();
+        let refused = read(&format!("{many}{}", block(7, "")), &insert(0, "")).expect_err("too many");
+        assert!(refused.to_string().contains("copies of things"), "{refused}");
+        let deep: String = (0..20_000).map(|k| block(k, &insert(k + 1, ""))).collect();
+        let refused = read(&deep, &insert(0, "")).expect_err("too deep");
+        assert!(refused.to_string().contains("INSERT C64: more than 64 blocks"), "{refused}");
     }
 
     #[test]
