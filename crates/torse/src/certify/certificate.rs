@@ -51,7 +51,7 @@ pub struct PanelCertificate(pub(super) PanelParts);
 /// What is stated about a seam. Lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeamParts {
-    /// Panels on both sides.
+    /// Panels on both sides; twice the same where a panel meets itself.
     pub panels: [usize; 2],
     /// Proven bound of the distance between its two sides at equal parameters.
     pub gap_bound: f64,
