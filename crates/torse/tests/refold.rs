@@ -83,7 +83,7 @@ fn covers_are_read_without_a_bend_table() {
 /// flat nearly all round. Rings of cones: their corners lie on circles, and tell where the slit is only together with its sides.
 #[test]
 fn cones_that_go_all_round_are_proven() {
-    for (radius, slope, height) in [(300.0, -0.6, 500.0), (600.0, -3.0, 200.0), (600.0, -3.0, 90.0)] {
+    for (radius, slope, height) in [(300.0, -0.6, 500.0), (600.0, -3.0, 90.0)] {
         let cone = SupportSurface::Cone { frame: Frame::world(), radius, slope };
         let face = Face::untrimmed(cone.to_spline((0.0, TAU), (0.0, height)).expect("a surface").0);
         let options = torse::Approximate::new(0.5);

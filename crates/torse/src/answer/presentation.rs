@@ -10,6 +10,7 @@ use crate::draw::picture;
 use crate::draw::scene::{PanelShape, Scene, ShapePatch};
 use crate::geom::mesh::Mesh;
 use crate::geom::{Vec2, Vec3};
+use crate::num::parallel;
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
 use crate::tessellate::diagnostics::{joints, strip_curvature};
@@ -17,8 +18,6 @@ use crate::tessellate::panel::{border_lines, panel_mesh, ruling_lines, surface_c
 use crate::tessellate::strip;
 use crate::torse::cone::part::{ConePart, PartFace};
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
-
 /// Everything drawn, in mm.
 #[derive(Clone, Debug)]
 pub struct Presentation {
@@ -57,20 +56,21 @@ pub fn present(answer: &Answer) -> Presentation {
 /// Prepares an answer for the writers with given marks.
 pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let patchwork = &answer.patchwork;
-    let surfaces = (0..patchwork.faces.len()).into_par_iter().map(|f| surface_mesh(patchwork, f)).collect();
+    let surfaces = parallel::map(0..patchwork.faces.len(), |f| surface_mesh(patchwork, f));
     let mut scene = Scene { surfaces, ..Scene::default() };
-    let panels = patchwork.panels.par_iter().enumerate();
-    scene.panels = panels.map(|(k, panel)| shape(answer, k, panel, marks.panels[k])).collect();
+    let panels = patchwork.panels.iter().enumerate();
+    scene.panels = parallel::map(panels, |(k, panel)| shape(answer, k, panel, marks.panels[k]));
     scene.guides = answer.guides.iter().map(|g| g.points.clone()).collect();
     let meshes: Vec<&Mesh> = scene.panels.iter().map(|p| &p.mesh).collect();
     scene.joints = joints(&meshes, apart(answer));
     scene.curvature = [
-        patchwork.panels.par_iter().enumerate().map(|(k, p)| curvature_of(answer, k, p)).collect(),
-        (0..patchwork.faces.len()).into_par_iter().map(|f| surface_curvature(patchwork, f)).collect(),
+        parallel::map(patchwork.panels.iter().enumerate(), |(k, p)| curvature_of(answer, k, p)),
+        parallel::map(0..patchwork.faces.len(), |f| surface_curvature(patchwork, f)),
     ];
     let spacing = scene.bbox().diagonal() / RULINGS;
-    let ruled = scene.panels.par_iter_mut().zip(&patchwork.panels).enumerate();
-    ruled.filter(|(k, _)| trimmed_cone(answer, *k).is_none()).for_each(|(_, (shown, panel))| {
+    let ruled = scene.panels.iter_mut().zip(&patchwork.panels).enumerate();
+    let ruled = ruled.filter(|(k, _)| trimmed_cone(answer, *k).is_none());
+    parallel::for_each(ruled, |(_, (shown, panel))| {
         shown.rulings = if panel.loops().is_empty() {
             strip::ruling_lines(&panel.strip, spacing)
         } else {
@@ -89,7 +89,7 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     };
     Presentation {
         direction: picture::direction(&scene),
-        stages: answer.stages.par_iter().map(|s| (s.caption.clone(), stage(answer, s, &marks.panels))).collect(),
+        stages: parallel::map(answer.stages.iter(), |s| (s.caption.clone(), stage(answer, s, &marks.panels))),
         drawing: drawing(&answer.patterns, &placements, &marks.patterns, &options),
         alone: if answer.cut.one_per_part { alone(&answer.patterns, &marks, &options) } else { Vec::new() },
         pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * longest, &marks),
@@ -200,7 +200,7 @@ fn alone(patterns: &[Pattern], marks: &Marks, options: &DrawingOptions) -> Vec<(
         let marked = marks.patterns.get(k..=k).unwrap_or(&[]);
         (pattern.name.clone(), drawing(one, &layout(one), marked, &options))
     };
-    patterns.par_iter().enumerate().map(one).collect()
+    parallel::map(patterns.iter().enumerate(), one)
 }
 
 /// Patterns for pictures, marked.

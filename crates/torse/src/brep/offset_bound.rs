@@ -9,9 +9,9 @@
 use crate::num::bernstein::{derivative, difference, halves, hull, product, SplinePiece};
 use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
-use rayon::prelude::*;
 
 /// Halvings of a cell at most, in each direction.
 const DEPTH: u32 = 5;
@@ -39,7 +39,7 @@ pub(super) fn distance_from_offset(spline: &Surface, base: &Surface, distance: f
         true => Cell::of(spline, base, cell).bound(distance, enough, DEPTH),
         false => f64::INFINITY,
     };
-    cells.par_iter().map(bound).reduce(|| 0.0, f64::max)
+    parallel::map(cells.iter(), bound).into_iter().fold(0.0, f64::max)
 }
 
 /// A polynomial in two variables over a cell, by Bernstein coefficients: rows for the first variable.

@@ -26,8 +26,8 @@ use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::bernstein::{derivative, difference, hull, product};
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::spline::curve::Curve;
-use rayon::prelude::*;
 
 /// Angle (rad) up to which a patch counts as developable: two micrometres over a metre, far below anything that can be
 /// made; above rounding, which grows near the regression curve.
@@ -144,7 +144,7 @@ pub(super) fn developability_until(
         }
         Some(found)
     };
-    let spans: Option<Vec<Vec<_>>> = breaks.par_windows(2).map(between).collect();
+    let spans: Option<Vec<Vec<_>>> = parallel::map(breaks.windows(2), between).into_iter().collect();
     let mut found = spans?.concat();
     if found.iter().all(|(_, _, d)| d.regular) {
         for least in [|d: &Developability| d.bend_radius, |d: &Developability| d.clearance] {

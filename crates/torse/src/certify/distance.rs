@@ -27,8 +27,8 @@ use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::hash::{HashMap, HashSet};
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::torse::form::Torse;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -301,7 +301,7 @@ pub(super) fn judge(
     let (worst, others) = roots.split_at(WORST_FIRST.min(roots.len()));
     let mut accepted: Vec<Accepted> = worst.iter().flat_map(examine).collect();
     if !search.stop.load(Ordering::Relaxed) {
-        let rest: Vec<Vec<Accepted>> = others.par_iter().map(examine).collect();
+        let rest: Vec<Vec<Accepted>> = parallel::map(others.iter(), examine);
         accepted.extend(rest.into_iter().flatten());
     }
     let looks = search.looks.load(Ordering::Relaxed);

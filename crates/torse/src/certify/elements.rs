@@ -14,11 +14,11 @@ use super::points::{distance_bound, Target};
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// Proven distances of rulings and planes from strips.
 #[derive(Clone, Debug)]
@@ -78,27 +78,24 @@ const PARTS: usize = 16;
 /// bounds.
 pub fn elements(strips: &[Strip], elements: &[ContactElement], control: &Control) -> ElementCertificate {
     let targets: Vec<Target> = strips.iter().map(Target::of).collect();
-    let found: Vec<(f64, (u32, f64))> = elements
-        .par_iter()
-        .map(|e| {
-            let mut best = (f64::INFINITY, (0, 0.0));
-            // Rulings are at least as far from a strip as their ends are from its box: the nearest boxes come first.
-            let away = |t: &Target| if e.has_ruling() { t.outside(&e.ends[0]).max(t.outside(&e.ends[1])) } else { 0.0 };
-            let mut order: Vec<(f64, usize)> = targets.iter().map(away).zip(0..).collect();
-            order.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (outside, k) in order {
-                if control.stopped() || outside > best.0 {
-                    break;
-                }
-                let t = &targets[k];
-                let (bound, u) = if e.has_ruling() { of_ruling(t, e) } else { of_plane(t, e) };
-                if bound < best.0 {
-                    best = (bound, (k as u32, u));
-                }
+    let found: Vec<(f64, (u32, f64))> = parallel::map(elements.iter(), |e| {
+        let mut best = (f64::INFINITY, (0, 0.0));
+        // Rulings are at least as far from a strip as their ends are from its box: the nearest boxes come first.
+        let away = |t: &Target| if e.has_ruling() { t.outside(&e.ends[0]).max(t.outside(&e.ends[1])) } else { 0.0 };
+        let mut order: Vec<(f64, usize)> = targets.iter().map(away).zip(0..).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (outside, k) in order {
+            if control.stopped() || outside > best.0 {
+                break;
             }
-            best
-        })
-        .collect();
+            let t = &targets[k];
+            let (bound, u) = if e.has_ruling() { of_ruling(t, e) } else { of_plane(t, e) };
+            if bound < best.0 {
+                best = (bound, (k as u32, u));
+            }
+        }
+        best
+    });
     let turn = |(e, (bound, (k, u))): (&ContactElement, &(f64, (u32, f64)))| {
         let on = targets.get(*k as usize).filter(|_| bound.is_finite());
         e.has_ruling().then(|| on.map_or(f64::INFINITY, |t| plane_turn(t, *u, e)))

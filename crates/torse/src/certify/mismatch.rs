@@ -12,7 +12,7 @@ use super::boundary::Side;
 use super::distance::{sag, way_total, Curl};
 use super::prepared::Prepared;
 use crate::num::interval::Interval;
-use rayon::prelude::*;
+use crate::num::parallel;
 
 /// Mismatch, as a share of the tolerance, below which it is the same everywhere: it takes less than a five-thousandth of
 /// the tolerance, as it enters in quadrature.
@@ -84,13 +84,13 @@ impl Mismatch {
         }
         let reach = (Interval::point(tolerance) * Interval::point(2.0) + Interval::point(self.delta)).hi;
         let around = |s: &Side| around(prepared, &[s.ends[0], s.ends[1], s.ends[1]]);
-        let boxes: Vec<(Around, &Side)> = sides.par_iter().map(|s| (widened(around(s), reach), s)).collect();
+        let boxes: Vec<(Around, &Side)> = parallel::map(sides.iter(), |s| (widened(around(s), reach), s));
         let of = |t: &[[f64; 2]; 3]| {
             let here = self::around(prepared, t);
             let sides = boxes.iter().filter(|(b, _)| near(&here, b));
             sides.fold(Self::of_rounding(self.eta), |m, (_, s)| m.with_side(s))
         };
-        triangles.par_iter().map(of).collect()
+        parallel::map(triangles.iter(), of)
     }
 
     /// What each triangle adds, `local`, where parts of some of them may fold at the rim: points no farther from these than twice the
@@ -109,7 +109,7 @@ impl Mismatch {
             let here = around(prepared, t);
             longer.iter().filter(|(b, _)| near(&here, b)).fold(*own, |m, (_, other)| m.with_other(other))
         };
-        triangles.par_iter().zip(local).map(of).collect()
+        parallel::map(triangles.iter().zip(local), of)
     }
 
     /// The greater of two, each for itself.

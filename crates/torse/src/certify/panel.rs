@@ -24,12 +24,12 @@ use super::written::reserve;
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
 use crate::reason::{LoopFault, PanelFault, Reason};
 use crate::spline::surface::Surface;
 use crate::torse::form::Torse;
-use rayon::prelude::*;
 
 /// A panel that is not within the tolerance is looked at again with these multiples of it, so that the report can
 /// state a bound all the same.
@@ -127,7 +127,7 @@ pub(super) fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Result<f
         let found = edge_bound(SeamSide { jets, trim: &run.trim }, &run.edge, tolerance).filter(|b| !b.is_nan());
         found.ok_or_else(|| run.edge.control.first().map_or_else(Vec3::zeros, |p| Vec3::from(*p)))
     };
-    let bounds: Vec<_> = runs.par_iter().map(bound).collect();
+    let bounds: Vec<_> = parallel::map(runs.iter(), bound);
     bounds.into_iter().try_fold(0.0f64, |most, b| Ok(most.max(b?)))
 }
 
@@ -173,7 +173,7 @@ fn boundary_bounds(
     reasons: &mut Vec<PanelFault>,
 ) -> Edge {
     let runs: Vec<_> = trim.loops.iter().flatten().collect();
-    let bounds: Vec<_> = runs.par_iter().map(|run| boundary.coedge_bound(run, &partition.vertices)).collect();
+    let bounds: Vec<_> = parallel::map(runs.iter(), |run| boundary.coedge_bound(run, &partition.vertices));
     let mut edge = Edge { runs: Vec::with_capacity(bounds.len()), delta: Some(0.0) };
     for b in bounds {
         match b {

@@ -10,10 +10,10 @@ use super::claim::UpperBound;
 use crate::control::Control;
 use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Rulings of the table of a strip.
@@ -119,7 +119,7 @@ pub fn points(strips: &[Strip], points: &[Vec3], control: &Control) -> PointCert
             continue;
         }
         control.report("proving", (k * CHUNK) as f64 / points.len() as f64, format!("{} points", points.len()));
-        let found: Vec<(f64, (u32, f32, f32), f64)> = chunk.par_iter().map(|x| nearest(&targets, x)).collect();
+        let found: Vec<(f64, (u32, f32, f32), f64)> = parallel::map(chunk.iter(), |x| nearest(&targets, x));
         for (b, p, s) in found {
             bounds.push(b);
             places.push(p);

@@ -14,10 +14,10 @@ use super::seams::{self, SeamSide};
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::geom::BBox;
+use crate::num::parallel;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::seam::Seam;
 use crate::reason::{CoverFault, Item, PanelFault, ProofFault, Reason, SeamFault};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Tolerances below this share of the model's size cannot be certified in double precision: rounding of the control
@@ -110,18 +110,15 @@ fn joints_of(patchwork: &Patchwork, out: &mut CertificateParts) {
         return;
     }
     let tolerance = out.tolerance;
-    let found: Vec<Result<(SeamCertificate, f64), (usize, SeamFault)>> = joints
-        .par_iter()
-        .map(|s| {
-            let patches = s.sides.map(|side| Ruled::new(&side.of.strip.patch));
-            let [Some(p), Some(q)] = &patches else { return Err((s.seam as usize, SeamFault::NoPatch)) };
-            let jets = [p, q].map(|r| RuledJets::new(r, place_on(r).as_ref()));
-            let sides = [0, 1].map(|k: usize| SeamSide { jets: &jets[k], trim: &s.sides[k].run.trim });
-            let gap = seams::gap_bound(sides, s.turned, tolerance).ok_or((s.seam as usize, SeamFault::Leaves))?;
-            let lengths = seams::length_difference(sides, s.turned, tolerance).unwrap_or(f64::INFINITY);
-            Ok((seam_record(s, (gap, lengths), tolerance), gap))
-        })
-        .collect();
+    let found: Vec<Result<(SeamCertificate, f64), (usize, SeamFault)>> = parallel::map(joints.iter(), |s| {
+        let patches = s.sides.map(|side| Ruled::new(&side.of.strip.patch));
+        let [Some(p), Some(q)] = &patches else { return Err((s.seam as usize, SeamFault::NoPatch)) };
+        let jets = [p, q].map(|r| RuledJets::new(r, place_on(r).as_ref()));
+        let sides = [0, 1].map(|k: usize| SeamSide { jets: &jets[k], trim: &s.sides[k].run.trim });
+        let gap = seams::gap_bound(sides, s.turned, tolerance).ok_or((s.seam as usize, SeamFault::Leaves))?;
+        let lengths = seams::length_difference(sides, s.turned, tolerance).unwrap_or(f64::INFINITY);
+        Ok((seam_record(s, (gap, lengths), tolerance), gap))
+    });
     for joint in found {
         match joint {
             Ok((record, gap)) => {
@@ -139,12 +136,9 @@ fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<Option<
     let mut sides = vec![None; patchwork.faces.len()];
     out.covered = true;
     if patchwork.partitions.len() == patchwork.faces.len() {
-        let found: Vec<_> = patchwork
-            .faces
-            .par_iter()
-            .zip(&patchwork.partitions)
-            .map(|(face, partition)| coverage::partition_covers(face, partition))
-            .collect();
+        let found: Vec<_> = parallel::map(patchwork.faces.iter().zip(&patchwork.partitions), |(face, partition)| {
+            coverage::partition_covers(face, partition)
+        });
         for (i, found) in found.into_iter().enumerate() {
             match found {
                 Ok(off) => sides[i] = Some(off),
@@ -173,7 +167,7 @@ fn grounds_of<'a>(patchwork: &'a Patchwork, sides: &[Option<[f64; 2]>]) -> Vec<(
         // Rounded up, and no bound at all if one of both is none.
         (prepared, if moved >= f.joint_bound() { moved.next_up().next_up() } else { f64::INFINITY })
     };
-    patchwork.faces.par_iter().zip(sides).map(of).collect()
+    parallel::map(patchwork.faces.iter().zip(sides), of)
 }
 
 /// What a certificate says of panels and seams, ready to be taken over by proofs of others on the same faces: of panels that are
@@ -186,16 +180,21 @@ pub(crate) fn known_of(certificate: &Certificate, patchwork: &Patchwork) -> Know
     let sides = coverage_of(patchwork, &mut CertificateParts::nothing(tolerance));
     let grounds = grounds_of(patchwork, &sides);
     let surfaces: Vec<u64> = patchwork.faces.iter().map(|f| fingerprint::of_surface(&f.surface)).collect();
-    patchwork.panels.par_iter().zip(&certificate.panels).filter(|(_, c)| c.certified).for_each(|(panel, proof)| {
-        let of = panel.trim.as_ref().filter(|t| t.form.torse().is_some()).zip(patchwork.partition_of(panel));
-        let Some((trim, partition)) = of else { return };
-        let (Some((_, moved)), Some(ruled)) = (grounds.get(trim.face), Ruled::new(&panel.strip.patch)) else { return };
-        let key = fingerprint::of_panel(panel, partition, (surfaces[trim.face], false), [*moved, tolerance]);
-        let jets = RuledJets::new(&ruled, place_on(&ruled).as_ref());
-        if let Some(key) = key {
-            out.panel(key, || (proof.0.clone(), Some(Arc::new(jets))));
-        }
-    });
+    parallel::for_each(
+        patchwork.panels.iter().zip(&certificate.panels).filter(|(_, c)| c.certified),
+        |(panel, proof)| {
+            let of = panel.trim.as_ref().filter(|t| t.form.torse().is_some()).zip(patchwork.partition_of(panel));
+            let Some((trim, partition)) = of else { return };
+            let (Some((_, moved)), Some(ruled)) = (grounds.get(trim.face), Ruled::new(&panel.strip.patch)) else {
+                return;
+            };
+            let key = fingerprint::of_panel(panel, partition, (surfaces[trim.face], false), [*moved, tolerance]);
+            let jets = RuledJets::new(&ruled, place_on(&ruled).as_ref());
+            if let Some(key) = key {
+                out.panel(key, || (proof.0.clone(), Some(Arc::new(jets))));
+            }
+        },
+    );
     let inside = patchwork.seams().into_iter().zip(&certificate.seams);
     for (s, proof) in inside.filter(|(s, _)| (s.seam as usize) < patchwork.seam_count) {
         // In the order in which proofs find them.
@@ -258,16 +257,12 @@ fn panels_of(
         }
         (parts, jets)
     };
-    let found: Vec<ProvenPanel> = patchwork
-        .panels
-        .par_iter()
-        .map(|panel| {
-            let result = one(panel);
-            let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            control.report("proving panels", n as f64 / total as f64, format!("{n} of {total}"));
-            result
-        })
-        .collect();
+    let found: Vec<ProvenPanel> = parallel::map(patchwork.panels.iter(), |panel| {
+        let result = one(panel);
+        let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        control.report("proving panels", n as f64 / total as f64, format!("{n} of {total}"));
+        result
+    });
     let (panels, jets): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     out.panels = panels.into_iter().map(PanelCertificate).collect();
     out.deviation_bound = out.panels.iter().fold(0.0, |m, p| p.deviation_bound.max(m));
@@ -355,38 +350,35 @@ fn seam_gaps(
             }
         }
     }
-    sides
-        .par_iter()
-        .enumerate()
-        .map(|(seam, sides)| {
-            let [(i, f, a), (j, g, b)] = sides.as_slice() else {
-                return Err((seam, SeamFault::Sides(sides.len())));
-            };
-            let mirrored = f != g
-                && a.vertices.iter().eq(b.vertices.iter().rev())
-                && a.parameters.iter().zip(b.parameters.iter().rev()).all(|(s, r)| (s + r - 1.0).abs() <= MIRROR);
-            if !mirrored {
-                return Err((seam, SeamFault::NotMirrored));
-            }
-            if patchwork.panels[*i].face() != patchwork.panels[*j].face() {
-                return Err((seam, SeamFault::Faces));
-            }
-            let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
-                return Err((seam, SeamFault::NoPatch));
-            };
-            let prove = || {
-                let sides = [SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim }];
-                let gap = seams::gap_bound(sides, true, tolerance)?;
-                Some((gap, seams::length_difference(sides, true, tolerance).unwrap_or(f64::INFINITY)))
-            };
-            let of = [(*i, a), (*j, b)].map(|(k, run)| (&patchwork.panels[k], *run));
-            let found = match known {
-                Some(known) => known.seam(fingerprint::of_seam(of, tolerance), prove),
-                None => prove(),
-            };
-            found.ok_or((seam, SeamFault::Leaves))
-        })
-        .collect()
+    let found = parallel::map(sides.iter().enumerate(), |(seam, sides)| {
+        let [(i, f, a), (j, g, b)] = sides.as_slice() else {
+            return Err((seam, SeamFault::Sides(sides.len())));
+        };
+        let mirrored = f != g
+            && a.vertices.iter().eq(b.vertices.iter().rev())
+            && a.parameters.iter().zip(b.parameters.iter().rev()).all(|(s, r)| (s + r - 1.0).abs() <= MIRROR);
+        if !mirrored {
+            return Err((seam, SeamFault::NotMirrored));
+        }
+        if patchwork.panels[*i].face() != patchwork.panels[*j].face() {
+            return Err((seam, SeamFault::Faces));
+        }
+        let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
+            return Err((seam, SeamFault::NoPatch));
+        };
+        let prove = || {
+            let sides = [SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim }];
+            let gap = seams::gap_bound(sides, true, tolerance)?;
+            Some((gap, seams::length_difference(sides, true, tolerance).unwrap_or(f64::INFINITY)))
+        };
+        let of = [(*i, a), (*j, b)].map(|(k, run)| (&patchwork.panels[k], *run));
+        let found = match known {
+            Some(known) => known.seam(fingerprint::of_seam(of, tolerance), prove),
+            None => prove(),
+        };
+        found.ok_or((seam, SeamFault::Leaves))
+    });
+    found.into_iter().collect()
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ use super::vector::{add, length_bound, scale, sub, V3};
 use crate::control::Control;
 use crate::geom::{Vec2, Vec3};
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::Span;
@@ -140,7 +141,7 @@ pub(crate) fn distance(stretch: &Stretch, control: &Control) -> Result<UpperBoun
     let of = |(border, piece): (usize, &Piece), bent: f64, n: usize| {
         sum(&[bent, judge.to_border(piece, &stretch.borders[border], n * n), judge.to_drawing(piece)])
     };
-    let mut whole: Vec<f64> = pieces.par_iter().map(|p| of(*p, bent[p.1.span], 1)).collect();
+    let mut whole: Vec<f64> = parallel::map(pieces.iter(), |p| of(*p, bent[p.1.span], 1));
     for k in falling(&whole) {
         let (here, span) = (pieces[k], pieces[k].1.span);
         if GAIN * whole[k] <= worst {
@@ -357,7 +358,8 @@ impl<'a> Judge<'a> {
             going(control)?;
             Ok((self.orientation(k, reach).ok_or(Unshown::Folds)?, self.span(k, 1)))
         };
-        let all: Vec<(i32, f64)> = self.reach.par_iter().enumerate().map(of).collect::<Result<_, _>>()?;
+        let all: Vec<(i32, f64)> =
+            parallel::map(self.reach.iter().enumerate(), of).into_iter().collect::<Result<_, _>>()?;
         let mut signs = all.iter().map(|s| s.0).filter(|s| *s != 0);
         let first = signs.next();
         if signs.any(|s| Some(s) != first) {
@@ -399,7 +401,7 @@ impl<'a> Judge<'a> {
             let cell = |i: usize| sum(&[worse(corners[i], corners[i + 1]), self.cell(k, shares, [way(i), way(i + 1)])]);
             (0..count).map(cell).fold(0.0, worse)
         };
-        (0..parts).into_par_iter().map(between).reduce(|| 0.0, worse)
+        parallel::map(0..parts, between).into_iter().fold(0.0, worse)
     }
 
     /// Bound of the distance on a cell from the bilinear function through its corners.

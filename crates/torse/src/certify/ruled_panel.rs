@@ -32,11 +32,11 @@ use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::num::parallel;
 use crate::patchwork::foot_map::FootMap;
 use crate::patchwork::panel::{Coedge, Panel, PanelTrim};
 use crate::reason::{LoopFault, PanelFault, Reason};
 use crate::spline::curve::Curve;
-use rayon::prelude::*;
 
 /// Cells may exceed the greatest distance seen by this share of it, or by this share of the tolerance.
 const EXCESS: (f64, f64) = (0.03, 0.01);
@@ -192,7 +192,7 @@ impl<'a> Judge<'a> {
             out.cells += open.len();
             let last = out.cells >= MOST_CELLS || control.stopped();
             let seen: Vec<(Cell, Option<BoundedCell>)> =
-                open.par_iter().map(|c| (*c, self.used(&c.box_).then(|| self.bound_cell(&c.box_)))).collect();
+                parallel::map(open.iter(), |c| (*c, self.used(&c.box_).then(|| self.bound_cell(&c.box_))));
             for (cell, bounded) in &seen {
                 if let Some(bounded) = bounded.as_ref().filter(|l| l.seen > out.farthest.1) {
                     out.farthest = (self.image(middle(&cell.box_)), bounded.seen);
@@ -300,7 +300,7 @@ impl<'a> Judge<'a> {
     /// δ: the greatest over all runs.
     fn border(&self) -> Result<f64, PanelFault> {
         let runs: Vec<&Coedge> = self.trim.loops.iter().flatten().collect();
-        let found: Result<Vec<f64>, PanelFault> = runs.par_iter().map(|r| self.run(r)).collect();
+        let found: Result<Vec<f64>, PanelFault> = parallel::map(runs.iter(), |r| self.run(r)).into_iter().collect();
         Ok(found?.into_iter().fold(0.0, f64::max))
     }
 

@@ -16,12 +16,12 @@ mod sector;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use guide::{arc_tangent, widened, Guide};
 use motion::{hull, local, placed, turns};
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
@@ -50,7 +50,7 @@ pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64
         }
         Some(images) => stroke(s, images, tolerance),
     };
-    all.par_iter().map(one).reduce(|| 0.0, f64::max)
+    parallel::map(all.iter(), one).into_iter().fold(0.0, f64::max)
 }
 
 /// Distance between one stroke and its images.

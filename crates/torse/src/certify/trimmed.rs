@@ -23,9 +23,9 @@ use crate::control::Control;
 use crate::geom::box_tree::{nearest_on_triangle, BoxTree};
 use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::reason::LoopFault;
-use rayon::prelude::*;
 use std::collections::VecDeque;
 
 /// What was measured.
@@ -114,23 +114,19 @@ pub fn trimmed(panels: &[Panel], measured: &Measured, tolerance: f64, control: &
     for (i, place) in measured.places.places().iter().enumerate().take(measured.points.len()) {
         own.get_mut(place.0 as usize).into_iter().for_each(|o| o.push(i));
     }
-    panels
-        .par_iter()
-        .zip(own)
-        .map(|(panel, own)| {
-            let blank = TrimmedCertificate {
-                beyond: UpperBound::UNKNOWN,
-                reach: UpperBound::UNKNOWN,
-                edge: UpperBound::UNKNOWN,
-                worst: None,
-                farthest: None,
-                fault: None,
-                bounds: Vec::new(),
-            };
-            one(panel, &own, measured, &sites, tolerance, control)
-                .unwrap_or_else(|fault| TrimmedCertificate { fault: Some(fault), ..blank })
-        })
-        .collect()
+    parallel::map(panels.iter().zip(own), |(panel, own)| {
+        let blank = TrimmedCertificate {
+            beyond: UpperBound::UNKNOWN,
+            reach: UpperBound::UNKNOWN,
+            edge: UpperBound::UNKNOWN,
+            worst: None,
+            farthest: None,
+            fault: None,
+            bounds: Vec::new(),
+        };
+        one(panel, &own, measured, &sites, tolerance, control)
+            .unwrap_or_else(|fault| TrimmedCertificate { fault: Some(fault), ..blank })
+    })
 }
 
 fn one(
@@ -157,22 +153,19 @@ fn one(
     }
     let target = Target::of(&panel.strip);
     let sides = region.sides_in_space(panel);
-    let bounds: Vec<f64> = own
-        .par_iter()
-        .map(|&i| {
-            if control.stopped() {
-                return f64::INFINITY;
-            }
-            let (_, u, v) = measured.places.places()[i];
-            let (from, to) = panel.strip.domain();
-            let at = [f64::from(u).clamp(from, to), f64::from(v).clamp(0.0, 1.0)];
-            let x = &measured.points[i];
-            if region.holds(at) {
-                return distance_bound(&target, at[0], at[1], x);
-            }
-            region.beside(&jets, &sides, x)
-        })
-        .collect();
+    let bounds: Vec<f64> = parallel::map(own.iter(), |&i| {
+        if control.stopped() {
+            return f64::INFINITY;
+        }
+        let (_, u, v) = measured.places.places()[i];
+        let (from, to) = panel.strip.domain();
+        let at = [f64::from(u).clamp(from, to), f64::from(v).clamp(0.0, 1.0)];
+        let x = &measured.points[i];
+        if region.holds(at) {
+            return distance_bound(&target, at[0], at[1], x);
+        }
+        region.beside(&jets, &sides, x)
+    });
     let worst = (0..own.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
     let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or((LoopFault::Stopped, None))?;
     Ok(TrimmedCertificate {
@@ -412,7 +405,7 @@ impl Region {
             }
             Some(worst)
         };
-        let found: Vec<Option<(f64, Vec3)>> = breaks.par_windows(2).map(span).collect();
+        let found: Vec<Option<(f64, Vec3)>> = parallel::map(breaks.windows(2), span);
         let mut worst = (0.0, None);
         for (bound, place) in found.into_iter().collect::<Option<Vec<_>>>()? {
             if bound > worst.0 || bound.is_nan() {
@@ -435,7 +428,7 @@ impl Region {
                 0.0
             }
         };
-        (0..LOOKS[0] * LOOKS[1]).into_par_iter().map(far).reduce(|| 0.0, f64::max)
+        parallel::map(0..LOOKS[0] * LOOKS[1], far).into_iter().fold(0.0, f64::max)
     }
 }
 

@@ -25,10 +25,10 @@ use super::Certificate;
 use crate::brep::face::Face;
 use crate::geom::Vec2;
 use crate::num::hash::HashMap;
+use crate::num::parallel;
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::Pattern;
 use crate::spline::curve::Curve;
-use rayon::prelude::*;
 
 /// What is judged.
 #[derive(Clone, Debug)]
@@ -136,7 +136,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     };
     let count = part.faces.len();
     let map_surface_distance = match [part.maps.len(), part.strips.len(), part.bounds.len()] == [count; 3] {
-        true => UpperBound::largest((0..count).into_par_iter().map(off).collect::<Vec<_>>()),
+        true => UpperBound::largest(parallel::map(0..count, off)),
         false => UpperBound::UNKNOWN,
     };
     let sides = || part.joints.iter().flatten().flatten();
@@ -144,7 +144,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     // What is drawn are images of edges, which the file may have beside their faces.
     let edges: Vec<&EdgeImage> = images().collect();
     let beside = |i: &&EdgeImage| distance_of_edge(&i.curve, i.part, &i.map, EDGE_AIM * tolerance);
-    let beside = UpperBound::largest(edges.par_iter().map(beside).collect::<Vec<_>>());
+    let beside = UpperBound::largest(parallel::map(edges.iter(), beside));
     let map_surface_distance = map_surface_distance.max(beside);
     // Every image uses its face's map, or that of the strip it lies in, and all of a face lie in one place.
     let mut places: HashMap<usize, ([f64; 2], Vec2)> = HashMap::default();
@@ -168,7 +168,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let [drawn, gap] = match known {
         true => [
             strokes(part.strokes, part.allowances, tolerance),
-            part.joints.par_iter().map(joint).reduce(|| 0.0, f64::max),
+            parallel::map(part.joints.iter(), joint).into_iter().fold(0.0, f64::max),
         ],
         false => [f64::INFINITY; 2],
     };

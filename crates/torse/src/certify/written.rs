@@ -19,6 +19,7 @@ use crate::geom::Vec2;
 use crate::num::bernstein::hull;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{BendSense, Contour, Pattern};
 use crate::patchwork::written::{
@@ -28,7 +29,6 @@ use crate::reason::{Differs, Drawn, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// What writing may move, as a share of the largest coordinate: held ready in the rounding bound of every panel.
@@ -90,17 +90,13 @@ pub fn panels(patchwork: &Patchwork, faces: &[WrittenFace]) -> WrittenCertificat
         let (found, wanted) = (faces.len(), patchwork.panels.len());
         return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Panels }.into()));
     }
-    let found: Vec<Result<f64, Reason>> = patchwork
-        .panels
-        .par_iter()
-        .map(|panel| {
-            let own: Vec<&WrittenFace> = faces.iter().filter(|f| f.name == panel.strip.name).collect();
-            let item = || Item::Panel(panel.strip.name.clone());
-            let [face] = own[..] else { return Err(Reason::of(item(), WrittenFault::Faces(own.len()))) };
-            let turned = patchwork.face_of(panel).is_some_and(|f| f.reversed);
-            panel_moved(panel, face, turned).map_err(|fault| recorded(fault, item()))
-        })
-        .collect();
+    let found: Vec<Result<f64, Reason>> = parallel::map(patchwork.panels.iter(), |panel| {
+        let own: Vec<&WrittenFace> = faces.iter().filter(|f| f.name == panel.strip.name).collect();
+        let item = || Item::Panel(panel.strip.name.clone());
+        let [face] = own[..] else { return Err(Reason::of(item(), WrittenFault::Faces(own.len()))) };
+        let turned = patchwork.face_of(panel).is_some_and(|f| f.reversed);
+        panel_moved(panel, face, turned).map_err(|fault| recorded(fault, item()))
+    });
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 
@@ -292,13 +288,9 @@ pub fn drawing(patterns: &[Pattern], pieces: &[WrittenPiece]) -> WrittenCertific
         let (found, wanted) = (pieces.len(), drawn.len());
         return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Patterns }.into()));
     }
-    let found: Vec<Result<f64, Reason>> = drawn
-        .par_iter()
-        .zip(pieces)
-        .map(|(pattern, piece)| {
-            piece_moved(pattern, piece).map_err(|fault| Reason::of(Item::Pattern(pattern.name.clone()), fault))
-        })
-        .collect();
+    let found: Vec<Result<f64, Reason>> = parallel::map(drawn.iter().zip(pieces), |(pattern, piece)| {
+        piece_moved(pattern, piece).map_err(|fault| Reason::of(Item::Pattern(pattern.name.clone()), fault))
+    });
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 

@@ -12,6 +12,7 @@ use super::written_strips::{affine, difference, ends_moved, misnamed, off_plane,
 use crate::geom::Vec3;
 use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::patchwork::written::{WrittenBase, WrittenCurve, WrittenExact, WrittenSide};
 use crate::reason::{Differs, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
@@ -21,7 +22,6 @@ use crate::torse::cone::distance::Round;
 use crate::torse::cone::forms::patches;
 use crate::torse::cone::part::{ConeBody, ConePart, PartCurve, PartFace};
 use crate::torse::cone::spline::{Segment, ONCE_AROUND};
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Relative error of sine and cosine of the standard library, far above what any platform's library has.
@@ -45,7 +45,7 @@ pub fn cones(bodies: &[ConeBody], faces: &[WrittenExact]) -> WrittenCertificate 
         }
         piece.moved(face).map_err(|fault| recorded(fault, Item::Named(piece.name.clone())))
     };
-    let found: Vec<Result<f64, Reason>> = all.par_iter().zip(faces).map(one).collect();
+    let found: Vec<Result<f64, Reason>> = parallel::map(all.iter().zip(faces), one);
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 

@@ -11,13 +11,13 @@ use super::overlap::{overlap, OutlinePoint};
 use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
+use crate::num::parallel;
 use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, MarkPlace, Pattern, Side, ViewSide};
 use crate::patchwork::seam::Seam;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
-use rayon::prelude::*;
 
 /// Knobs of [`pattern`].
 #[derive(Clone, Copy, Debug)]
@@ -176,7 +176,7 @@ pub(super) fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Develop
 
 /// Patterns of [`pattern`] with rulings drawn at the distances that are wanted.
 pub(crate) fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, spacing: &BendSpacing) -> Vec<Pattern> {
-    patterns.into_par_iter().map(|pattern| bends_anew(patchwork, pattern, spacing)).collect()
+    parallel::map(patterns, |pattern| bends_anew(patchwork, pattern, spacing))
 }
 
 /// A pattern with its rulings drawn at other distances.

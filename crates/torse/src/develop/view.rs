@@ -4,12 +4,12 @@
 use super::bends::BendSpacing;
 use crate::geom::outward::{middle, outward};
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::patchwork::outside::outward as faces_outward;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::{Pattern, ViewSide};
 use crate::torse::cone::spline::ConeSpline;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// How patterns are drawn; default: seen from outside, lines every 5°.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,7 +85,7 @@ pub(crate) fn panels_viewed(patchwork: &Patchwork, patterns: Vec<Pattern>, view:
         let seen = if as_outside { ViewSide::Outside } else { ViewSide::Inside };
         seen_from(Pattern { view: seen, ..pattern }, view)
     };
-    patterns.into_par_iter().map(wanted).collect()
+    parallel::map(patterns, wanted)
 }
 
 /// A pattern as it is seen from the side that is wanted.

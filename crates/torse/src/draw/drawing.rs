@@ -7,8 +7,8 @@ use super::scene::{titled, NOT_CERTIFIED};
 use super::{flat, stroke_font};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
+use crate::num::parallel;
 use crate::patchwork::pattern::{BendSense, Contour, ContourVertex, MarkLine, Pattern, Placement};
-use rayon::prelude::*;
 
 /// All patterns of a sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -137,12 +137,11 @@ pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], 
     let mut d = Drawing { unit: options.unit, ..Drawing::default() };
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
     let stay = Placement { angle: 0.0, offset: Vec2::zeros() };
-    let pieces = patterns.par_iter().enumerate().map(|(i, pattern)| {
+    let drawn: Vec<Drawn> = parallel::map(patterns.iter().enumerate(), |(i, pattern)| {
         let placement = placements.get(i).unwrap_or(&stay);
         let source = options.sources.get(i).map_or("", String::as_str);
         piece(pattern, placement, (marked.get(i).copied().unwrap_or(false), source), options)
     });
-    let drawn: Vec<Drawn> = pieces.collect();
     let unnamed: Vec<Unnamed> = drawn
         .iter()
         .enumerate()

@@ -6,7 +6,7 @@
 
 use super::colour::{self, Rgb};
 use crate::geom::{Vec2, Vec3};
-use rayon::prelude::*;
+use crate::num::parallel;
 
 /// Samples per pixel and direction.
 pub(crate) const SAMPLES: usize = 3;
@@ -174,28 +174,24 @@ impl Drawing {
                 }
             }
         }
-        let rows: Vec<Vec<[u8; 3]>> = bins
-            .par_iter()
-            .enumerate()
-            .map(|(i, bin)| {
-                let first = i * BAND;
-                let mut band = Band::new(self.width, first, BAND.min(self.height - first), self.background);
-                for &k in bin {
-                    let (paint, corners) = &self.triangles[k as usize];
-                    band.triangle(*paint, corners);
+        let rows: Vec<Vec<[u8; 3]>> = parallel::map(bins.iter().enumerate(), |(i, bin)| {
+            let first = i * BAND;
+            let mut band = Band::new(self.width, first, BAND.min(self.height - first), self.background);
+            for &k in bin {
+                let (paint, corners) = &self.triangles[k as usize];
+                band.triangle(*paint, corners);
+            }
+            for &(k, segment) in &lines[i] {
+                band.segment(&self.lines[k as usize], segment as usize, true);
+            }
+            for &(k, segment) in &overlays[i] {
+                match &self.overlays[k as usize] {
+                    Overlay::Line(line) => band.segment(line, segment as usize, false),
+                    Overlay::Fill(fill) => band.fill(fill),
                 }
-                for &(k, segment) in &lines[i] {
-                    band.segment(&self.lines[k as usize], segment as usize, true);
-                }
-                for &(k, segment) in &overlays[i] {
-                    match &self.overlays[k as usize] {
-                        Overlay::Line(line) => band.segment(line, segment as usize, false),
-                        Overlay::Fill(fill) => band.fill(fill),
-                    }
-                }
-                band.pixels()
-            })
-            .collect();
+            }
+            band.pixels()
+        });
         Image { width: self.width, height: self.height, pixels: rows.concat() }
     }
 }

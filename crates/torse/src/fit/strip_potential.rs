@@ -11,8 +11,8 @@
 use crate::control::Control;
 use crate::num::least_squares::BandMatrix;
 use crate::num::linear_program::LinearProgram;
+use crate::num::parallel;
 use crate::spline::field::Field;
-use rayon::prelude::*;
 
 /// Fundamental forms of the surface at a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,24 +128,23 @@ pub fn strip_potentials(
     let Some((problem, field, aspect)) = problem(samples, border, options) else { return Vec::new() };
     let starts: Vec<(f64, usize)> =
         [1.0, -1.0].into_iter().flat_map(|s| (0..options.starts).map(move |k| (s, k))).collect();
-    let mut first: Vec<StripPotential> = starts
-        .par_iter()
-        .filter_map(|&(sign, k)| {
-            let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
-            let mut f = field.clone();
-            f.set_linear(angle.cos(), angle.sin() * aspect);
-            let start = problem.rated(f, sign)?;
-            if problem.control.stopped() {
-                return Some(start);
-            }
-            let next = problem.improve(&start, 0.3, &problem.active);
-            Some(next.unwrap_or(start))
-        })
-        .collect();
+    let mut first: Vec<StripPotential> = parallel::map(starts.iter(), |&(sign, k)| {
+        let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
+        let mut f = field.clone();
+        f.set_linear(angle.cos(), angle.sin() * aspect);
+        let start = problem.rated(f, sign)?;
+        if problem.control.stopped() {
+            return Some(start);
+        }
+        let next = problem.improve(&start, 0.3, &problem.active);
+        Some(next.unwrap_or(start))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     first.sort_by(|a, b| a.merit.total_cmp(&b.merit));
     first.truncate(options.keep);
-    let mut found: Vec<StripPotential> =
-        first.into_par_iter().map(|start| problem.refined(start, options.rounds)).collect();
+    let mut found: Vec<StripPotential> = parallel::map(first, |start| problem.refined(start, options.rounds));
     found.sort_by(|a, b| a.merit.total_cmp(&b.merit));
     found
 }
@@ -223,10 +222,11 @@ pub(crate) fn directed_strip_potentials(
     let Some(start) = follow(&wanted, field) else { return Vec::new() };
     let step = wanted.len().div_ceil(WATCHED).max(1);
     problem.wanted = wanted.into_iter().step_by(step).collect();
-    let mut found: Vec<StripPotential> = [1.0, -1.0]
-        .into_par_iter()
-        .filter_map(|sign| Some(problem.refined(problem.rated(start.clone(), sign)?, options.rounds)))
-        .collect();
+    let mut found: Vec<StripPotential> =
+        parallel::map([1.0, -1.0], |sign| Some(problem.refined(problem.rated(start.clone(), sign)?, options.rounds)))
+            .into_iter()
+            .flatten()
+            .collect();
     found.sort_by(|a, b| a.merit.total_cmp(&b.merit));
     found
 }

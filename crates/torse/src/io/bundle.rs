@@ -16,6 +16,7 @@ use crate::develop::shop::offsets::OffsetPanel;
 use crate::draw::scene::{titled, Scene};
 use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::torse::cone::part::ConeBody;
 use std::collections::HashSet;
 
@@ -88,8 +89,8 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
         Some(cones) => exact(CONES, &answer.input, &cones.bodies, shown.marks.any(), time),
         None => text(PANELS, |b| step::panels(b, &header, &answer.patchwork, &shown.marks.panels)),
     };
-    let (step, (dxf, svg)) = rayon::join(cad, || {
-        rayon::join(
+    let (step, (dxf, svg)) = parallel::join(cad, || {
+        parallel::join(
             || text("patterns.dxf", |b| dxf::write(b, &shown.drawing)),
             || text("patterns.svg", |b| svg::write(b, &shown.drawing)),
         )

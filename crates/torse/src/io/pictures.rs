@@ -7,6 +7,7 @@ use crate::answer::presentation::Presentation;
 use crate::answer::Answer;
 use crate::certify::claim::{Subject, What};
 use crate::draw::picture::{self, Caption};
+use crate::num::parallel;
 
 /// PNG files.
 pub struct Pictures {
@@ -59,14 +60,14 @@ impl Pictures {
             let words = caption("planes, cylinders, cones and tangent surfaces".into());
             (!shown.shapes.is_empty()).then(|| png::write(&picture::shapes(scene, &shown.shape_patches, eye, &words)))
         };
-        let ((panels, layout), ((deviation, field), (points, shapes))) = rayon::join(
+        let ((panels, layout), ((deviation, field), (points, shapes))) = parallel::join(
             || {
-                rayon::join(
+                parallel::join(
                     || png::write(&picture::panels(scene, eye, &all)),
                     || lays_flat.then(|| png::write(&picture::layout(&shown.pieces, &caption(flat)))),
                 )
             },
-            || rayon::join(|| rayon::join(deviation, field), || rayon::join(points, shapes)),
+            || parallel::join(|| parallel::join(deviation, field), || parallel::join(points, shapes)),
         );
         Ok(Self {
             panels: panels?,

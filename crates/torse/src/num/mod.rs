@@ -14,6 +14,7 @@ pub(crate) mod linear_program;
 pub(crate) mod max_flow;
 pub(crate) mod minimax;
 pub(crate) mod minimax_program;
+pub(crate) mod parallel;
 pub mod quadratic_program;
 pub mod quadrature;
 pub(crate) mod roots;

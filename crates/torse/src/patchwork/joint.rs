@@ -6,7 +6,7 @@ use super::panel::{Border, Coedge, Patchwork};
 use crate::brep::face::Face;
 use crate::geom::{BBox, Vec3};
 use crate::num::hash::{HashMap, HashSet};
-use rayon::prelude::*;
+use crate::num::parallel;
 
 /// One side of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -122,8 +122,7 @@ pub fn joints(patchwork: &Patchwork, reach: f64, spacing: f64) -> Vec<Joint<'_>>
             }
         }
     }
-    let all: Vec<CoedgePolyline> =
-        runs.into_par_iter().map(|(k, run, edge)| CoedgePolyline::new(k, run, edge, reach)).collect();
+    let all: Vec<CoedgePolyline> = parallel::map(runs, |(k, run, edge)| CoedgePolyline::new(k, run, edge, reach));
     let mut uses: HashMap<u64, HashSet<(usize, u32)>> = HashMap::default();
     for (face, label, entity) in all.iter().map(|c| c.edge).filter(|e| e.2 != 0) {
         uses.entry(entity).or_default().insert((face, label));
@@ -137,7 +136,7 @@ pub fn joints(patchwork: &Patchwork, reach: f64, spacing: f64) -> Vec<Joint<'_>>
         let later = all[i + 1..].iter().filter(|b| may_join(&all[i], b));
         later.filter_map(|b| joint(&all[i], b, reach, spacing)).collect()
     };
-    (0..all.len()).into_par_iter().flat_map_iter(with_later).collect()
+    parallel::map(0..all.len(), with_later).into_iter().flatten().collect()
 }
 
 /// Number in the file of an edge of a face; 0 if it has none.

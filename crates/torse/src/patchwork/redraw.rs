@@ -3,7 +3,7 @@
 use super::partition::{edges, Partition};
 use super::triangulate::{crossings, snap, Points, SNAP};
 use crate::num::hash::{HashMap, HashSet};
-use rayon::prelude::*;
+use crate::num::parallel;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 use std::collections::{BTreeSet, VecDeque};
 
@@ -113,14 +113,11 @@ impl<'a> Drawing<'a> {
         // Vertices inside stay, but those of borders that go and those in the way; crossings of knot lines always do.
         let on_knots = |p: &[f64; 2]| [0, 1].map(|d: usize| knots[d].contains(&p[d]));
         let near = Near::of(lines, cell);
-        let inside: Vec<[f64; 2]> = (0..from.vertices.len() as u32)
-            .into_par_iter()
-            .filter(|v| !kept.contains(v))
-            .map(|v| (v, from.vertices[v as usize]))
-            .filter(|(v, p)| on_knots(p) == [true; 2] || (!gone.contains(v) && !near.is_near(p)))
-            .map(|(_, p)| p)
-            .collect();
-        inside.into_iter().for_each(|p| {
+        let inside = parallel::map((0..from.vertices.len() as u32).filter(|v| !kept.contains(v)), |v| {
+            let p = from.vertices[v as usize];
+            (on_knots(&p) == [true; 2] || (!gone.contains(&v) && !near.is_near(&p))).then_some(p)
+        });
+        inside.into_iter().flatten().for_each(|p| {
             points.index(p);
         });
         Some(Self { knots, extent, cell, points, constrained })

@@ -8,7 +8,7 @@ use super::triangulate::triangulate;
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::num::hash::HashMap;
-use rayon::prelude::*;
+use crate::num::parallel;
 
 /// A sheet of constant thickness.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,13 +65,13 @@ pub fn sheet(faces: &[&Face]) -> Option<Sheet> {
         return None;
     }
     // Small faces that cannot be triangulated so coarsely are no skins.
-    let hulls: Vec<Hull> = faces.par_iter().map(|f| hull(f).unwrap_or_else(Hull::none)).collect();
+    let hulls: Vec<Hull> = parallel::map(faces.iter(), |f| hull(f).unwrap_or_else(Hull::none));
     // The area of the triangles will do: exact ones would take their time at outlines of many corners.
     let triangles = |h: &Hull| h.sides.iter().map(|s| s.1.norm()).sum::<f64>();
     let area =
         |(face, hull): (&&Face, &Hull)| if hull.sides.is_empty() { area_estimate(face) } else { triangles(hull) };
-    let areas: Vec<f64> = faces.par_iter().zip(&hulls).map(area).collect();
-    let seen: Vec<Option<Seen>> = (0..faces.len()).into_par_iter().map(|k| seen(k, faces, &hulls)).collect();
+    let areas: Vec<f64> = parallel::map(faces.iter().zip(&hulls), area);
+    let seen: Vec<Option<Seen>> = parallel::map(0..faces.len(), |k| seen(k, faces, &hulls));
     let thickness = thickness(&seen, &areas)?;
     let is_skin = |k: usize| seen[k].as_ref().is_some_and(|s| (s.distance - thickness).abs() <= SAME * thickness);
     let skins: Vec<usize> = (0..faces.len()).filter(|&k| is_skin(k)).collect();

@@ -14,6 +14,7 @@ use crate::develop::pattern::with_bends;
 use crate::develop::view::panels_viewed;
 use crate::io::model::Model;
 use crate::io::words;
+use crate::num::parallel;
 use crate::patchwork::panel::{Border, Patchwork};
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
@@ -29,7 +30,6 @@ use crate::search::trims::{assess_trims, AssessedTrims};
 use checks::{checked, checked_curves, checked_number, told_of_curves};
 pub use error::ApproximateError;
 pub use options::{Options, SMOOTH_ANGLE_DEG};
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::OnceLock;
@@ -164,11 +164,8 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Resul
     };
     control.report("covering faces", 0.0, format!("0 of {total}"));
     let first = first_covers(&faces, &wanted);
-    let found: Vec<Result<Covered, Skipped>> = faces
-        .into_par_iter()
-        .zip(first)
-        .enumerate()
-        .map(|(index, (face, first))| {
+    let found: Vec<Result<Covered, Skipped>> =
+        parallel::map(faces.into_iter().zip(first).enumerate(), |(index, (face, first))| {
             let built = if first.is_none() && wanted.is_over() {
                 Err(Skipped::in_haste(&face, FaceReason::OutOfTime))
             } else {
@@ -177,8 +174,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Resul
             let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
             control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
             built
-        })
-        .collect();
+        });
     all_met(found, options.meet.then_some((options.tolerance, &options.limits)), control)
 }
 

@@ -9,10 +9,10 @@ use crate::certify::written::{self, WrittenCertificate};
 use crate::certify::{written_cones, written_strips};
 use crate::io::bundle::{self, part_files, BundleError, File, CONES, PANELS};
 use crate::io::{drawings, step};
+use crate::num::parallel;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{Item, Reason, WrittenFault};
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// All files of an answer. `time` stamps the STEP header: `2026-11-21T14:30:00`.
 ///
@@ -50,17 +50,17 @@ const DRAWN_SHARE: f64 = 1e-3;
 /// than the tolerance leaves, ends the certificate.
 pub fn judge(answer: &mut Answer, files: &[File]) {
     let alone = part_files(answer.patterns.iter().filter(|_| answer.cut.one_per_part).map(|p| p.name.as_str()));
-    answer.written = files
-        .par_iter()
-        .filter_map(|(name, bytes)| {
-            let found = match alone.iter().position(|part| part == name) {
-                _ if name == PANELS || name == CONES => panels(answer, bytes),
-                Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
-                None => drawing(name, bytes, &answer.patterns)?,
-            };
-            Some((name.clone(), found))
-        })
-        .collect();
+    answer.written = parallel::map(files.iter(), |(name, bytes)| {
+        let found = match alone.iter().position(|part| part == name) {
+            _ if name == PANELS || name == CONES => panels(answer, bytes),
+            Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
+            None => drawing(name, bytes, &answer.patterns)?,
+        };
+        Some((name.clone(), found))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     // What the patterns are off already leaves of what each may be; panels that cover faces have what writing moves among their
     // bounds. What is beyond its limit anyway is told of its part.
     let of_panels = answer.flat.iter().map(|f| answer.tolerance - f.drawing_bound());

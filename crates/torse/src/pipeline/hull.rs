@@ -19,6 +19,7 @@ use crate::design::loft::build::BuildOptions;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::{is_tolerance, Loose};
+use crate::num::parallel;
 use crate::patchwork::panel::Patchwork;
 use crate::reason::{JobReason, StripReason};
 use crate::search::strips::assessment::TWIST_TOLERANCE;
@@ -26,7 +27,6 @@ use crate::search::strips::cut::laid_until;
 use crate::search::strips::hull_kept::{kept, Kept};
 use crate::search::strips::hull_whole::apart;
 use crate::torse::rail::Rail;
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// What the job is asked for.
@@ -126,7 +126,7 @@ fn of_needed(curves: &[Rail], options: &Options, control: &Control) -> Result<An
     let tolerance = options.tolerance;
     control.report("looking for rulings", 0.1, "");
     // Curves through very many points by their likes with few knots; judged are the given ones.
-    let followed: Vec<Rail> = curves.par_iter().map(|c| sparse(c, FOLLOW_SHARE * tolerance, control)).collect();
+    let followed: Vec<Rail> = parallel::map(curves.iter(), |c| sparse(c, FOLLOW_SHARE * tolerance, control));
     let found = rulings_of_hull(&followed, options.samples, control)?;
     control.report("fitting", 0.4, "");
     let mut build = BuildOptions::new(RAIL_SHARE * tolerance);

@@ -5,8 +5,8 @@
 use crate::brep::area::area_estimate;
 use crate::brep::face::{Face, TrimLoop};
 use crate::geom::{BBox, Vec3};
+use crate::num::parallel;
 use crate::spline::surface::SurfaceJet;
-use rayon::prelude::*;
 
 /// Samples per direction of the parameter plane at which curvature is looked at.
 const GRID: usize = 32;
@@ -100,7 +100,7 @@ impl FaceInfo {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn measure(faces: &[Face]) -> Vec<FaceInfo> {
-    faces.par_iter().map(measure_face).collect()
+    parallel::map(faces.iter(), measure_face)
 }
 
 /// Measures one face.

@@ -8,7 +8,7 @@ pub use crate::develop::refold::artwork::{
 };
 use crate::geom::BBox;
 use crate::io::result_folder::{read, FolderError};
-use rayon::prelude::*;
+use crate::num::parallel;
 
 /// Distance (mm) that polylines keep from the images of curves where none is given: that of drawings of `torse unroll`.
 const CHORD: f64 = 0.01;
@@ -64,11 +64,8 @@ pub fn read_map(
         }
     }
     let all = panels(file, &folder.report.job, folder.report.tolerance).map_err(MapError::Panels)?;
-    let made: Vec<Result<MapPart, (String, String)>> = folder
-        .parts
-        .par_iter()
-        .filter(|p| part.is_none_or(|name| p.record.name == name))
-        .map(|p| {
+    let made: Vec<Result<MapPart, (String, String)>> =
+        parallel::map(folder.parts.iter().filter(|p| part.is_none_or(|name| p.record.name == name)), |p| {
             let named = |e: String| (p.record.name.clone(), e);
             let flat = flat_part(p, true);
             flat.check_slits().map_err(|e| named(e.to_string()))?;
@@ -85,8 +82,7 @@ pub fn read_map(
                 bounds.include(&b.max);
             }
             Ok(MapPart { name: p.record.name.clone(), alignment: atlas.alignment, flat, atlas, bounds })
-        })
-        .collect();
+        });
     let wanted = |l: &&(String, String)| part.is_none_or(|name| l.0 == name);
     let mut left: Vec<(String, String)> = folder.left.iter().filter(wanted).cloned().collect();
     let mut parts = Vec::new();

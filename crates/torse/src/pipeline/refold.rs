@@ -14,9 +14,8 @@ use crate::geom::placement::Placement;
 use crate::io::glb;
 use crate::io::refold_report::{RefoldPanel, RefoldPart, RefoldReport, SCHEMA};
 use crate::io::result_folder::{read, FolderError, ResultFolder, ResultPart};
+use crate::num::parallel;
 use crate::search::refolded::{distance_bounds, NotRefolded, PanelBound};
-use rayon::prelude::*;
-
 /// Names of the files of the job.
 pub const FILES: [&str; 2] = ["refold.json", "refolded.glb"];
 
@@ -76,24 +75,20 @@ pub struct RefoldAnswer {
 pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync), control: &Control) -> Result<RefoldAnswer, FolderError> {
     let folder = read(file)?;
     let in_space = panels(file, &folder.report.job, folder.report.tolerance);
-    let made: Vec<_> = folder
-        .parts
-        .par_iter()
-        .map(|p| {
-            if control.stopped() {
-                return Err((p.record.name.clone(), NotRefolded::Stopped.to_string()));
-            }
-            let flat = flat_part(p, true);
-            let back = refolded(&flat).map_err(|e| (p.record.name.clone(), e.to_string()))?;
-            let found = match &in_space {
-                Ok(all) => atlases(&folder, all, p, &flat),
-                Err(e) => Err(e.clone()),
-            };
-            let aim = AIM * folder.report.tolerance;
-            let read = in_space.as_ref().map_or(Some(UpperBound::UNKNOWN), |all| read_bound(all, p, aim));
-            Ok(answer(p, (flat, back), found, (read, control)))
-        })
-        .collect();
+    let made: Vec<_> = parallel::map(folder.parts.iter(), |p| {
+        if control.stopped() {
+            return Err((p.record.name.clone(), NotRefolded::Stopped.to_string()));
+        }
+        let flat = flat_part(p, true);
+        let back = refolded(&flat).map_err(|e| (p.record.name.clone(), e.to_string()))?;
+        let found = match &in_space {
+            Ok(all) => atlases(&folder, all, p, &flat),
+            Err(e) => Err(e.clone()),
+        };
+        let aim = AIM * folder.report.tolerance;
+        let read = in_space.as_ref().map_or(Some(UpperBound::UNKNOWN), |all| read_bound(all, p, aim));
+        Ok(answer(p, (flat, back), found, (read, control)))
+    });
     let mut left = folder.left.clone();
     let mut parts = Vec::new();
     for m in made {
@@ -147,7 +142,7 @@ fn answer(
         let c = compare(&printed, &back, atlas)?;
         Some((largest(&bounds(&printed, &back, &c)).ok(), c))
     };
-    let (proven, digits) = rayon::join(|| bounds(&out.flat, &out.refolded, &c), from_digits);
+    let (proven, digits) = parallel::join(|| bounds(&out.flat, &out.refolded, &c), from_digits);
     let digits = if same { Some((largest(&proven).ok(), c.clone())) } else { digits };
     (out.printed_proven, out.printed) = digits.map_or((None, None), |(bound, c)| (bound, Some(c)));
     (out.alignment, out.proven, out.compared) = (atlas.alignment, proven, Ok(c));
@@ -228,7 +223,7 @@ impl RefoldAnswer {
             let (mesh, borders) = mesh(&p.refolded, &motion).map_err(|e| format!("{}: {e}", p.name))?;
             Ok(PanelShape { name: p.name.clone(), mesh, rulings: Vec::new(), borders, marked: false })
         };
-        let made: Vec<Result<PanelShape, String>> = self.parts.par_iter().map(shape).collect();
+        let made: Vec<Result<PanelShape, String>> = parallel::map(self.parts.iter(), shape);
         let mut report = self.report();
         let mut scene = Scene::default();
         for shape in made {

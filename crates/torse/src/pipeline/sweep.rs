@@ -9,11 +9,11 @@ use crate::certify::claim::Status;
 use crate::control::Control;
 use crate::draw::chart::{chart, Chart, Series};
 use crate::draw::raster::Image;
+use crate::num::parallel;
 use crate::patchwork::panel::Border;
 use crate::search::cover::band_range;
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::assess_trims;
-use rayon::prelude::*;
 
 /// Chords per span of an edge curve when its length is measured.
 const CHORDS: usize = 4;
@@ -38,7 +38,7 @@ pub fn sweep(
     let finest = tolerances.iter().copied().filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min);
     let faces = assess_trims(faces.to_vec(), finest).faces;
     let faces = &smoothly_joined(faces, finest, options.smooth_angle, control);
-    let ranges: Vec<Option<f64>> = faces.par_iter().map(band_range).collect();
+    let ranges: Vec<Option<f64>> = parallel::map(faces.iter(), band_range);
     let mut sorted = tolerances.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
     sorted.dedup();

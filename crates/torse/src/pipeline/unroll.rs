@@ -30,6 +30,7 @@ use crate::develop::unfold::tree::CutReason;
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
 use crate::io::model::Model;
+use crate::num::parallel;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::reason::FaceReason;
@@ -38,7 +39,6 @@ use joined::joined;
 #[cfg(test)]
 use proofs::assessed;
 use proofs::{fault, proven};
-use rayon::prelude::*;
 use std::collections::HashSet;
 use std::time::Instant;
 
@@ -78,7 +78,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     // 1. What is proven: faces against the surfaces that are laid flat, drawings and inner edges against these.
     control.report("proving", UNFOLDED, format!("{} parts", parts.len()));
     let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
-        parts.par_iter_mut().map(|p| proven(p, &faces, options.tolerance, control)).unzip();
+        parallel::map(parts.iter_mut(), |p| proven(p, &faces, options.tolerance, control)).into_iter().unzip();
     let joints = joined(&mut parts, &through_panels);
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
@@ -91,9 +91,9 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
             let (face, name) = (&faces[*f], format!("{}-{:02}", part.pattern.name, k + 1));
             (face.entity, face_panel(face, &name))
         };
-        own.par_iter().enumerate().map(of).collect()
+        parallel::map(own.iter().enumerate(), of)
     };
-    let skins: Vec<_> = parts.par_iter().zip(&through_panels).map(skin).collect();
+    let skins: Vec<_> = parallel::map(parts.iter().zip(&through_panels), skin);
     for ((part, laid), panels) in parts.iter().zip(&through_panels).zip(skins) {
         let first = patchwork.panels.len();
         if let Some(laid) = laid {
@@ -110,7 +110,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }
     let faults: Vec<Option<FaceReason>> =
-        parts.par_iter().zip(&through_panels).map(|(p, laid)| fault(p, &faces, laid.is_some())).collect();
+        parallel::map(parts.iter().zip(&through_panels), |(p, laid)| fault(p, &faces, laid.is_some()));
     let mut claims = self::proofs::claims(&parts, &proofs, &faults, options.tolerance);
     let mut skipped = model.skipped.clone();
     skipped.extend(left);

@@ -18,6 +18,7 @@ use crate::develop::shop::thickness::{below_least, too_tight, Sheet};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::SheetPart;
+use crate::num::parallel;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::drawings_missed;
 use crate::search::cover::Limits;
@@ -26,7 +27,6 @@ use made::{made, Made};
 use offsets::offsets;
 pub use options::{Stations, WorkshopError, WorkshopOptions};
 use planes::planes;
-use rayon::prelude::*;
 
 /// Prepares sheet and work of an answer: [`Answer::shop`], marks of sections and patterns of the neutral fibre.
 ///
@@ -54,7 +54,7 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
     let planes = planes(answer, &options.stations)?;
     answer.shop = Shop { material: options.material.clone(), thickness: options.thickness, ..Shop::default() };
     let sheet = options.sheet();
-    let made: Vec<Made> = answer.patterns.par_iter().map(|pattern| made(answer, pattern, &planes, options)).collect();
+    let made: Vec<Made> = parallel::map(answer.patterns.iter(), |pattern| made(answer, pattern, &planes, options));
     let mut told = Told::default();
     for (k, made) in made.into_iter().enumerate() {
         let Made { work, changed, known } = made;

@@ -6,7 +6,7 @@ use crate::brep::meridian::Meridian;
 use crate::brep::recognised_surface::bounds;
 use crate::brep::rulings::Rulings;
 use crate::certify::parameters_moved;
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::sync::Arc;
 
 /// Length of the hair, as a share of the rulings and of the tolerance, of which it takes the less.
@@ -41,7 +41,7 @@ const STRAIGHT: f64 = 0.01;
 
 /// Faces that end beside their apexes, if they have any; tolerance in mm.
 pub(crate) fn beside_apexes(faces: Vec<Face>, hair: Hair, tolerance: f64) -> Vec<Face> {
-    faces.into_par_iter().map(|f| beside_apex(&f, hair, tolerance).unwrap_or(f)).collect()
+    parallel::map(faces, |f| beside_apex(&f, hair, tolerance).unwrap_or(f))
 }
 
 /// A face without the tip where all its rulings meet; `None` where they do not.

@@ -9,12 +9,12 @@ use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
 use crate::fit::panels::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Limit, Reason};
 use crate::torse::form::{PanelKind, Torse};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts into which a panel is cut at once, at most.
@@ -210,10 +210,9 @@ fn assessed(
     }
     let close = if state.touched { CLOSE_TRIM * face.surface.bbox().diagonal() } else { f64::INFINITY };
     let trim_tolerance = (tolerance * TRIM_SHARE).min(close);
-    let made: Vec<Result<Panel, BoundaryError>> = assigned
-        .par_iter()
-        .map(|a| borders.panel(0, a, &boundary_options(a.kind, trim_tolerance)).map(|(p, _)| p))
-        .collect();
+    let made: Vec<Result<Panel, BoundaryError>> = parallel::map(assigned.iter(), |a| {
+        borders.panel(0, a, &boundary_options(a.kind, trim_tolerance)).map(|(p, _)| p)
+    });
     let seam_count = borders.seam_count;
     let (mut panels, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     for (panel, a) in made.into_iter().zip(&assigned) {
@@ -247,7 +246,7 @@ fn assessed(
         if joined.is_some() && (0..patchwork.panels.len()).any(|k| bad(&k)) { 0 } else { patchwork.panels.len() };
     let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
     let developed: Vec<Result<Pattern, DevelopError>> =
-        (0..count).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
+        parallel::map(0..count, |k| pattern(&patchwork, k, &pattern_options));
     let mut patterns = Vec::new();
     let mut without = BTreeSet::new();
     for (k, developed) in developed.into_iter().enumerate() {
@@ -299,20 +298,15 @@ pub(crate) fn rebuilt(old: &Built, to: &Rebuilding, control: &Control) -> (Built
     for e in to.edges {
         borders.share(e.chain, e.edge.clone(), e.parameters.clone());
     }
-    let made: Vec<Result<Panel, u32>> = old
-        .patchwork
-        .panels
-        .par_iter()
-        .map(|p| {
-            let new = p.label().and_then(|label| Some((label, to.torses.get(&label)?)));
-            let Some((label, torse)) = new else { return Ok(p.clone()) };
-            let assigned = Assigned { label, torse, kind: p.strip.kind };
-            let options = boundary_options(p.strip.kind, tolerance * TRIM_SHARE);
-            let (mut panel, _) = borders.panel(0, &assigned, &options).map_err(|_| label)?;
-            panel.strip.name.clone_from(&p.strip.name);
-            Ok(panel)
-        })
-        .collect();
+    let made: Vec<Result<Panel, u32>> = parallel::map(old.patchwork.panels.iter(), |p| {
+        let new = p.label().and_then(|label| Some((label, to.torses.get(&label)?)));
+        let Some((label, torse)) = new else { return Ok(p.clone()) };
+        let assigned = Assigned { label, torse, kind: p.strip.kind };
+        let options = boundary_options(p.strip.kind, tolerance * TRIM_SHARE);
+        let (mut panel, _) = borders.panel(0, &assigned, &options).map_err(|_| label)?;
+        panel.strip.name.clone_from(&p.strip.name);
+        Ok(panel)
+    });
     let mut refused: BTreeSet<u32> = made.iter().filter_map(|m| m.as_ref().err()).copied().collect();
     let panels = made.into_iter().zip(&old.patchwork.panels).map(|(m, p)| m.unwrap_or_else(|_| p.clone())).collect();
     let patchwork = Patchwork {
@@ -340,13 +334,13 @@ pub(crate) fn rebuilt(old: &Built, to: &Rebuilding, control: &Control) -> (Built
     }
     let options = PatternOptions::new(tolerance * CONTOUR_SHARE);
     let anew = |k: usize| label(k).is_some_and(|l| to.torses.contains_key(&l));
-    let developed: Vec<Result<Pattern, usize>> = old
-        .patterns
-        .par_iter()
-        .map(
-            |p| if anew(p.panel) { pattern(&patchwork, p.panel, &options).map_err(|_| p.panel) } else { Ok(p.clone()) },
-        )
-        .collect();
+    let developed: Vec<Result<Pattern, usize>> = parallel::map(old.patterns.iter(), |p| {
+        if anew(p.panel) {
+            pattern(&patchwork, p.panel, &options).map_err(|_| p.panel)
+        } else {
+            Ok(p.clone())
+        }
+    });
     refused.extend(developed.iter().filter_map(|p| p.as_ref().err()).filter_map(|&k| label(k)));
     let patterns = developed.into_iter().flatten().collect();
     (Built { patterns, ..nothing(patchwork, certificate) }, refused)

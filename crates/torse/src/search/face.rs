@@ -15,9 +15,9 @@ use crate::brep::face::Face;
 use crate::certify::{self, SeamStatus};
 use crate::control::Control;
 use crate::num::hash::{HashMap, HashSet};
+use crate::num::parallel;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::reason::{FaceReason, Reason};
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -128,7 +128,7 @@ pub(crate) fn first_covers(faces: &[Face], wanted: &Wanted) -> Vec<Option<Built>
         let options = CoverOptions { tolerance, ..wanted.options.clone() };
         stopgap(index, &face, &options, (COARSEST * face.surface.bbox().diagonal(), &control))
     };
-    faces.par_iter().enumerate().map(first).collect()
+    parallel::map(faces.iter().enumerate(), first)
 }
 
 /// A face as it is covered.

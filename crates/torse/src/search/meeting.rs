@@ -8,7 +8,7 @@ use super::stitch::across::{met_across, Across, Beside};
 use super::stitch::attempts::met_together;
 use crate::control::Control;
 use crate::geom::Vec3;
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -28,27 +28,23 @@ pub(crate) fn all_met<E: Send>(
     let total = found.iter().flatten().filter(|c| c.is_apart()).count();
     let finished = AtomicUsize::new(0);
     let start = Instant::now();
-    found.par_iter_mut().flatten().for_each(|c| c.assess_flat(control));
+    parallel::for_each(found.iter_mut().flatten(), |c| c.assess_flat(control));
     let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
     if total > 0 {
         control.report("joining strips", 0.0, format!("0 of {total}"));
     }
     let until = control.remaining().map(|left| Instant::now() + left.saturating_sub(flat_time));
     let control = until.map_or_else(|| control.clone(), |end| control.clone().until(end));
-    let mut met: Vec<Result<Met, E>> = found
-        .into_par_iter()
-        .enumerate()
-        .map(|(index, covered)| {
-            let covered = covered?;
-            let counts = covered.is_apart();
-            let met = covered.met(index, &control);
-            if counts {
-                let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
-            }
-            Ok(met)
-        })
-        .collect();
+    let mut met: Vec<Result<Met, E>> = parallel::map(found.into_iter().enumerate(), |(index, covered)| {
+        let covered = covered?;
+        let counts = covered.is_apart();
+        let met = covered.met(index, &control);
+        if counts {
+            let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
+            control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
+        }
+        Ok(met)
+    });
     if let Some(asked) = across {
         across_faces(&mut met, asked, &control);
     }
@@ -119,7 +115,7 @@ fn laid_anew(
         return met_together((0..faces.len()).map(side).collect(), &meetings, control);
     }
     let alone = |f: usize| met_together(vec![side(f)], &[], control).pop().flatten();
-    (0..faces.len()).into_par_iter().map(alone).collect()
+    parallel::map(0..faces.len(), alone)
 }
 
 /// Places within this share of the reach of the nearest one count too.

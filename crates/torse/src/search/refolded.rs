@@ -16,12 +16,12 @@ use crate::develop::refold::drawn::FlatPart;
 use crate::develop::refold::leaf::{Leaf, Refolded};
 use crate::geom::placement::Placement;
 use crate::geom::Vec2;
+use crate::num::parallel;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::{Ribbon, Span, Spot};
 use nalgebra::Matrix2;
-use rayon::prelude::*;
 use shares::{shares, Share, ON_RULING};
 
 /// Turn (rad) over a span that is judged at most.
@@ -100,10 +100,10 @@ pub(crate) fn distance_bounds(
             let going = if control.stopped() { Err(NotRefolded::Stopped) } else { Ok(()) };
             (share.panel, going.and_then(|()| assessed(part, share, (atlas, control))))
         };
-        shares(part, leaf, &ribbon, atlas).into_par_iter().map(one).collect()
+        parallel::map(shares(part, leaf, &ribbon, atlas), one)
     };
     let leaves: Vec<&Leaf> = refolded.leaves.iter().filter(|l| !l.is_taken_up()).collect();
-    for (panel, one) in leaves.into_par_iter().map(assessed).collect::<Vec<_>>().into_iter().flatten() {
+    for (panel, one) in parallel::map(leaves, assessed).into_iter().flatten() {
         // A panel in two places has no one border.
         found[panel] = Some(if found[panel].is_some() { Err(NotRefolded::Several) } else { one });
     }
@@ -251,16 +251,15 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Pi
     let slack = ON_RULING * size(polygon);
     let split = tip.and_then(|tip| Some((tip, tip.split(polygon)?)));
     let corners = split.as_ref().map_or(polygon, |s| &s.1 .0);
-    let spots: Vec<Seen> = corners
-        .par_iter()
-        .map(|q| {
-            let spot = ribbon.locate(q)?;
-            let beyond = (-spot.t).max(spot.t - end).max(0.0);
-            let rates = &ribbon.span(spot.t).0.in_plane;
-            let near = beyond <= BEYOND || beyond * (rates.across + spot.v * rates.spin).abs() <= slack;
-            near.then_some((spot.t.clamp(0.0, end), spot.v, *q))
-        })
-        .collect::<Option<_>>()?;
+    let spots: Vec<Seen> = parallel::map(corners.iter(), |q| {
+        let spot = ribbon.locate(q)?;
+        let beyond = (-spot.t).max(spot.t - end).max(0.0);
+        let rates = &ribbon.span(spot.t).0.in_plane;
+        let near = beyond <= BEYOND || beyond * (rates.across + spot.v * rates.spin).abs() <= slack;
+        near.then_some((spot.t.clamp(0.0, end), spot.v, *q))
+    })
+    .into_iter()
+    .collect::<Option<_>>()?;
     let mut out = Vec::with_capacity(2 * polygon.len());
     let sides = if split.is_some() { spots.len() - 1 } else { spots.len() };
     for k in 0..sides {
@@ -307,7 +306,7 @@ fn reaching(ribbon: Ribbon, loops: &[Vec<Vec2>], most: f64) -> Ribbon {
     let end = ribbon.end();
     let mut beyond = [0.0_f64; 2];
     let places: Vec<&Vec2> = loops.iter().flatten().collect();
-    let spots: Vec<Spot> = places.into_par_iter().filter_map(|q| ribbon.locate(q)).collect();
+    let spots: Vec<Spot> = parallel::map(places, |q| ribbon.locate(q)).into_iter().flatten().collect();
     for spot in spots {
         let rates = &ribbon.span(spot.t).0.in_plane;
         let over = [-spot.t, spot.t - end];
@@ -411,7 +410,7 @@ impl Seated {
             let worst = reach[k].into_iter().filter(|v| v.is_finite()).map(sag).fold(0.0, f64::max);
             (worst / near).sqrt().ceil().clamp(1.0, MOST_PARTS) as usize
         };
-        self.ribbon.spans.par_iter().enumerate().map(count).collect()
+        parallel::map(self.ribbon.spans.iter().enumerate(), count)
     }
 }
 
@@ -505,7 +504,7 @@ fn beside(
     let (n, corners) = (line.len(), border.len() as f64);
     let place = |q: Vec2| nearest(border, &q, &metric.at(&q)).0;
     let mut at = vec![place(on_patch(&line[0], line[0].ends[0]))];
-    let behind: Vec<f64> = line.par_iter().map(|p| place(on_patch(p, p.ends[1]))).collect();
+    let behind: Vec<f64> = parallel::map(line.iter(), |p| place(on_patch(p, p.ends[1])));
     for here in behind {
         let last = at[at.len() - 1];
         // The shorter way.
@@ -659,5 +658,5 @@ fn places(
         let on_crease = |t: f64| Along { at: [t, found.at[1]], slope: [0.0, slope[1]], bend: [0.0, found.bend[1]] };
         crease.map_or(found, |(t, _)| on_crease(*t))
     };
-    (0..=n).into_par_iter().map(place).collect()
+    parallel::map(0..=n, place)
 }

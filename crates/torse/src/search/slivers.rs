@@ -5,7 +5,7 @@
 use super::build::too_large;
 use super::cover::Job;
 use super::laid::{Laid, Task};
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of the mean width of the widest neighbour below which a panel is a sliver, where no least width is asked for.
@@ -26,8 +26,8 @@ fn blunted(task: &Task, mut laid: Laid) -> Laid {
     }
     let least = |width: f64| task.options.limits.min_width.unwrap_or(SLIVER * width);
     let all: Vec<(u32, f64)> = sizes(&laid).into_iter().map(|(label, [width, _])| (label, least(width))).collect();
-    let pronged: Vec<(u32, f64)> = all.into_par_iter().filter(|p| laid.state.has_prong(p.0, p.1)).collect();
-    for (label, width) in pronged {
+    let pronged = parallel::map(all, |p| laid.state.has_prong(p.0, p.1).then_some(p));
+    for (label, width) in pronged.into_iter().flatten() {
         if task.control.stopped() {
             break;
         }

@@ -4,8 +4,8 @@ use crate::brep::face::Face;
 use crate::brep::trim::{self, with_chords};
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
+use crate::num::parallel;
 use crate::reason::{FaceReason, Reason};
-use rayon::prelude::*;
 
 /// Share of the tolerance that the proven distance of trims from the file's edges may take.
 pub(super) const TRIM_SHARE: f64 = 0.5;
@@ -27,7 +27,7 @@ pub struct AssessedTrims {
 /// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and where
 /// that takes too much of the tolerance.
 pub fn assess_trims(faces: Vec<Face>, tolerance: f64) -> AssessedTrims {
-    let assessed = faces.into_par_iter().map(|mut face| {
+    let assessed = parallel::map(faces, |mut face| {
         let replaced = |face: &Face| {
             let bound = face.surface_bound();
             (bound > TRIM_SHARE * tolerance).then(|| FaceReason::Replaced { entity: face.entity, bound }.into())
@@ -48,7 +48,7 @@ pub fn assess_trims(faces: Vec<Face>, tolerance: f64) -> AssessedTrims {
         let missed = replaced(&face).or_else(|| (bound.value() > TRIM_SHARE * tolerance).then(trim));
         (face, (bound, missed))
     });
-    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = assessed.unzip();
+    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = assessed.into_iter().unzip();
     let bound = UpperBound::largest(found.iter().map(|f| f.0));
     AssessedTrims { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
 }

@@ -4,10 +4,10 @@ use crate::geom::box_tree::BoxTree;
 use crate::geom::mesh::Mesh;
 use crate::geom::{BBox, Vec3};
 use crate::num::hash::HashMap;
+use crate::num::parallel;
 use crate::spline::surface::SurfaceJet;
 use crate::torse::ruled_point::RuledPoint;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// Gauss curvature (1/mm²) of a strip over a grid, v running fastest; 0 where there is no tangent plane.
 pub fn strip_curvature(strip: &Strip, u: &[f64], v: &[f64]) -> Vec<f64> {
@@ -79,7 +79,7 @@ pub fn joints(meshes: &[&Mesh], apart: f64) -> Vec<([Vec3; 2], f64)> {
             (e.ends, angle)
         })
     };
-    edges.par_iter().filter_map(found).collect()
+    parallel::map(edges.iter(), found).into_iter().flatten().collect()
 }
 
 /// Squared distance of a point from a segment.

@@ -5,8 +5,8 @@ use super::cut;
 use super::polygon::{self, Polygon, Side};
 use crate::brep::face::{Face, FileBoundary, FileEdge, TrimLoop, VANISHED};
 use crate::brep::recognised_surface::bounds;
+use crate::num::parallel;
 use crate::spline::surface::Surface;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A knot line at which a face has two tangent planes.
@@ -78,15 +78,12 @@ pub(crate) struct Uncreased {
 /// [`Face::joint_bound`] says what rounding may else move. What the trim of a face misses must be proven before: a piece follows
 /// but a part of the file's edges.
 pub(crate) fn uncreased(faces: Vec<Face>, angle: f64, wanted: impl Fn(&Face, &Crease) -> bool + Sync) -> Uncreased {
-    let each: Vec<Vec<Face>> = faces
-        .into_par_iter()
-        .map(|face| {
-            let mut found = creases(&face.surface, bounds(&face), angle);
-            found.retain(|c| wanted(&face, c));
-            let cut = |f: Face, c| in_two(&f, c).unwrap_or_else(|| vec![f]);
-            found.iter().fold(vec![face], |pieces, c| pieces.into_iter().flat_map(|f| cut(f, c)).collect())
-        })
-        .collect();
+    let each: Vec<Vec<Face>> = parallel::map(faces, |face| {
+        let mut found = creases(&face.surface, bounds(&face), angle);
+        found.retain(|c| wanted(&face, c));
+        let cut = |f: Face, c| in_two(&f, c).unwrap_or_else(|| vec![f]);
+        found.iter().fold(vec![face], |pieces, c| pieces.into_iter().flat_map(|f| cut(f, c)).collect())
+    });
     let cut: Vec<&Vec<Face>> = each.iter().filter(|p| p.len() > 1).collect();
     let (numbers, pieces) = (cut.iter().map(|p| p[0].entity).collect(), cut.iter().map(|p| p.len()).sum());
     Uncreased { cut: numbers, pieces, faces: each.into_iter().flatten().collect() }

@@ -18,6 +18,7 @@ use crate::certify::ruled::Ruled;
 use crate::certify::vector::length_bound;
 use crate::control::Control;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::{Contour, Pattern};
 use crate::reason::{FlatFault, Of};
@@ -25,7 +26,6 @@ use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// A bound of this share of the tolerance is good enough for a ruling or a mark: no strip is looked for that gives less.
 pub(super) const ENOUGH: f64 = 1e-3;
@@ -80,7 +80,7 @@ pub fn strip_parts(
             outline_is_simple(pattern, tolerance)
         })
     };
-    patterns.par_iter().map(one).collect()
+    parallel::map(patterns.iter(), one)
 }
 
 /// Proves what is claimed about the pattern of a chain: see the head of this file.
@@ -135,7 +135,7 @@ fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f
     out.gap_bound = laid.gap;
     let pairs: Vec<_> = laid.runs.iter().zip(&found.chains).collect();
     let bounds: Vec<_> =
-        pairs.par_iter().map(|(run, vertices)| chain_bound(&laid.image(run, motion), vertices, tolerance)).collect();
+        parallel::map(pairs.iter(), |(run, vertices)| chain_bound(&laid.image(run, motion), vertices, tolerance));
     let worst = |b: Vec<Option<f64>>| b.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b)));
     let mut missing = Ok(());
     match worst(bounds) {
@@ -144,13 +144,13 @@ fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f
     }
     let enough = ENOUGH * tolerance;
     let lines: Vec<DrawnRulings> = laid.links.iter().map(|l| DrawnRulings::new(&l.rails, motion)).collect();
-    let rulings = pattern.rulings.par_iter().map(|r| ruling_bound(&lines, &r.map(|p| [p.x, p.y]), enough)).collect();
+    let rulings = parallel::map(pattern.rulings.iter(), |r| ruling_bound(&lines, &r.map(|p| [p.x, p.y]), enough));
     match worst(rulings) {
         Some(bound) => out.ruling_bound = bound,
         None => missing = missing.and(Err(FlatFault::Ruling(Of::Strips))),
     }
     let marks =
-        pattern.marks.par_iter().map(|m| laid.mark_bound(&[m.point.x, m.point.y], &walk, motion, enough)).collect();
+        parallel::map(pattern.marks.iter(), |m| laid.mark_bound(&[m.point.x, m.point.y], &walk, motion, enough));
     match worst(marks) {
         Some(bound) => out.mark_bound = bound,
         None => missing = missing.and(Err(FlatFault::MarkOffRail)),

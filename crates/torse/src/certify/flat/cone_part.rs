@@ -19,6 +19,7 @@ use crate::certify::seams::SeamSide;
 use crate::certify::vector::{length_bound, sub, V3};
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::num::parallel;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FlatFault, Of};
@@ -27,7 +28,6 @@ use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::cone::part::{ConeBody, ConePart, PartCurve};
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// A piece in the plane.
 struct Piece<'a> {
@@ -78,7 +78,7 @@ pub fn cone_parts(
             outline_is_simple(pattern, tolerance)
         })
     };
-    patterns.par_iter().map(one).collect()
+    parallel::map(patterns.iter(), one)
 }
 
 /// Proves what is claimed about the pattern of a trimmed chain: see the head of this file.

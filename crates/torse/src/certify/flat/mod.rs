@@ -22,6 +22,7 @@ use super::developable::trim_boxes;
 use super::ruled::Ruled;
 use crate::control::Control;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkPlace, Pattern};
 use crate::reason::{FlatFault, Of, Reason};
@@ -31,7 +32,6 @@ use matching::backwards;
 pub(super) use outline::Motion;
 use outline::{chain_bound, pairs_by_length, Image};
 use rails::FlatRails;
-use rayon::prelude::*;
 use simple_outline::outline_is_simple;
 
 /// What was proven about the flat pattern of a panel or of a chain of strips. Lengths in mm.
@@ -202,7 +202,7 @@ fn proven(
     control: &Control,
 ) -> Vec<FlatCertificate> {
     let found: Vec<(FlatCertificate, Option<Flat>)> =
-        patterns.par_iter().map(|p| one(patchwork, p, tolerance, control)).collect();
+        parallel::map(patterns.iter(), |p| one(patchwork, p, tolerance, control));
     let (mut out, flats): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     // Partners of marks are unknown where a proof was stopped.
     let unmatched = match out.iter().any(|c| c.faults.contains(&FlatFault::Stopped)) {

@@ -25,8 +25,8 @@ use super::tensor::Jet2;
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
+use crate::num::parallel;
 use ground::{Affine, Foot};
-use rayon::prelude::*;
 
 /// The bound may exceed the greatest distance seen by this share of it, or by this share of the tolerance.
 const EXCESS: (f64, f64) = (0.03, 0.01);
@@ -89,10 +89,9 @@ fn farthest(pieces: &[Piece], ground: &Ground, tolerance: f64, control: &Control
             break;
         }
         let far = out.seen;
-        let bounded: Vec<(Cell, Option<BoundedCell>)> = open
-            .par_iter()
-            .map(|c| (*c, pieces[c.piece].is_used(&c.box_).then(|| bound_cell(c, pieces, ground, far))))
-            .collect();
+        let bounded: Vec<(Cell, Option<BoundedCell>)> = parallel::map(open.iter(), |c| {
+            (*c, pieces[c.piece].is_used(&c.box_).then(|| bound_cell(c, pieces, ground, far)))
+        });
         for found in bounded.iter().filter_map(|l| l.1.as_ref()) {
             if found.seen > out.seen {
                 (out.seen, out.place) = (found.seen, found.place);

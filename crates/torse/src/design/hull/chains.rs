@@ -7,8 +7,8 @@ use super::walk::{End, Walk};
 use crate::control::Control;
 use crate::geom::convex_hull::sides;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::torse::rail::Rail;
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A run of rulings between two curves (or one curve and itself), in order.
@@ -95,7 +95,7 @@ pub(super) fn chains(
     let single = (0..facet_of.len()).filter(|&t| !is_step[t]).filter_map(|t| facet_of[t]).collect();
     let polish = |w: Walk| if control.stopped() { None } else { polished(sampled, facets, w, control) };
     let walks: Vec<Walk> = walks.into_iter().flat_map(|w| one_way(sampled, w)).collect();
-    (walks.into_par_iter().filter_map(polish).collect(), single)
+    (parallel::map(walks, polish).into_iter().flatten().collect(), single)
 }
 
 /// Goes through a triangle; the directed edge by which the next one has it.
@@ -192,11 +192,13 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
         if run.kind == Kind::Smooth {
             let first = stations.len() - 1;
             // Each for itself: the order is that of the edges.
-            let found: Vec<[f64; 2]> = (run.first + 1..run.last)
-                .into_par_iter()
-                .filter(|_| !control.stopped())
-                .map(|k| turned(between(sampled, walk.edges[k], kept(&walk, k)), k))
-                .collect();
+            let found: Vec<[f64; 2]> = parallel::map(run.first + 1..run.last, |k| {
+                let seen = || turned(between(sampled, walk.edges[k], kept(&walk, k)), k);
+                (!control.stopped()).then(seen)
+            })
+            .into_iter()
+            .flatten()
+            .collect();
             if control.stopped() {
                 return None;
             }

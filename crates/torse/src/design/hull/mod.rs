@@ -14,11 +14,11 @@ mod walk;
 use crate::control::Control;
 use crate::geom::convex_hull::sides;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::torse::rail::Rail;
 use chains::Chain;
 pub(crate) use contact::OnRail;
 use contact::{coplanarity, is_corner, opposite, tangent_plane, tangents};
-use rayon::prelude::*;
 pub(crate) use sampled::HullError;
 use sampled::{Sampled, SideKind};
 
@@ -91,7 +91,8 @@ pub fn hull(rails: &[Rail], samples: usize, control: &Control) -> Result<Hull, H
             }
         }
     }
-    out.rulings = rulings.par_iter().filter(|_| !control.stopped()).map(|e| refined(&sampled, *e)).collect();
+    let rulings = parallel::map(&rulings, |e| (!control.stopped()).then(|| refined(&sampled, *e)));
+    out.rulings = rulings.into_iter().flatten().collect();
     (out.chains, out.single) = chains::chains(&sampled, &facet_of, &out.facets, control);
     Ok(out)
 }

@@ -6,10 +6,10 @@ use super::{Hull, HullError};
 use crate::control::Control;
 use crate::design::loft::build::{between_pieces, BuildOptions, BuiltStrip};
 use crate::design::loft::LoftError;
+use crate::num::parallel;
 use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// A strip of the hull's boundary with the rails that it lies between.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ pub fn strips(
             part((rails, &reversed), chain, tip, options, control)
         }
     };
-    let mut out = hull.chains.par_iter().map(made).collect::<Result<Vec<HullPart>, HullError>>()?;
+    let mut out = parallel::map(hull.chains.iter(), made).into_iter().collect::<Result<Vec<HullPart>, HullError>>()?;
     for &f in &hull.single {
         let [p, q, r] = hull.facets[f].map(|c| c.point);
         let facet = Strip::quad("", PanelKind::Plane, [p, q], [p, r])?;
@@ -157,7 +157,7 @@ fn part(
             })?;
         Ok(built.map(|built| HullStrip { built, rails: chain.rails, turned }))
     };
-    let made = sections.par_iter().map(strip_of).collect::<Result<Vec<_>, HullError>>()?;
+    let made = parallel::map(sections.iter(), strip_of).into_iter().collect::<Result<Vec<_>, HullError>>()?;
     // A part with a gap is no part.
     if !control.stopped() {
         out.strips = made.into_iter().flatten().collect();

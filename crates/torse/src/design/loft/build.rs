@@ -12,13 +12,13 @@ use super::track::{Segment, Track};
 use super::LoftError;
 use crate::control::Control;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::SplineError;
 use crate::torse::form::PanelKind;
 use crate::torse::rail::{jet, Rail, RailPart};
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// Knobs of [`follow`] and `strips_along_path`.
 #[derive(Clone, Copy, Debug)]
@@ -469,7 +469,9 @@ impl<'a> Path<'a> {
                 }
                 Some(0.5 * (lo + hi))
             };
-            out.extend(self.curves[d].knots.breaks().par_iter().filter_map(met).collect::<Vec<f64>>());
+            out.extend(
+                parallel::map(self.curves[d].knots.breaks().iter(), met).into_iter().flatten().collect::<Vec<f64>>(),
+            );
         }
         if !self.exact {
             out.extend(self.stations.iter().map(|s| s[0]));

@@ -8,7 +8,7 @@
 
 use super::branch::{used_share, Branch, BranchType, Direction};
 use super::track::{Contact, Track};
-use rayon::prelude::*;
+use crate::num::parallel;
 
 /// Determinant up to which a way between two runs is a zero of it: the twist that fitted rulings may have.
 const ZERO: f64 = 1e-6;
@@ -111,7 +111,8 @@ impl Linker<'_> {
                 .filter_map(move |q| Some((p, q, self.between(&pieces[p].run, &pieces[q].run, p == q)?)));
             ways.min_by(|a, b| a.2.length.total_cmp(&b.2.length))
         };
-        let all: Vec<_> = (0..pieces.len()).into_par_iter().filter(|p| !pieces[*p].run.closed).filter_map(of).collect();
+        let all: Vec<_> =
+            parallel::map((0..pieces.len()).filter(|p| !pieces[*p].run.closed), of).into_iter().flatten().collect();
         all.into_iter().min_by(|a, b| a.2.length.total_cmp(&b.2.length))
     }
 

@@ -7,8 +7,8 @@
 use super::atlas::Atlas;
 use super::drawn::{distance, inside, FlatPart};
 use crate::geom::{BBox, Vec2, Vec3};
+use crate::num::parallel;
 use crate::spline::curve::Curve;
-use rayon::prelude::*;
 
 /// Where artwork is carried to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -229,6 +229,6 @@ impl ArtworkMap {
             }
             None => PointRow { line: *line, part: String::new(), place: None, distance: f64::INFINITY },
         };
-        points.par_iter().map(row).collect()
+        parallel::map(points.iter(), row)
     }
 }

@@ -6,9 +6,8 @@ use super::leaf::Refolded;
 use crate::brep::project::refine;
 use crate::geom::placement::Placement;
 use crate::geom::{Vec2, Vec3};
+use crate::num::parallel;
 use nalgebra::Matrix3;
-use rayon::prelude::*;
-
 /// What was measured of a part, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
@@ -71,7 +70,10 @@ pub(crate) fn matched(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Op
         let (place, on) = (refolded.locate(&q)?, atlas.from_flat(&q)?);
         Some((q, refolded.frame(&place).0, on, atlas.space(&on)))
     };
-    let pairs: Vec<Pair> = samples(part).into_par_iter().filter(|q| refolded.is_of_one(q)).filter_map(pair).collect();
+    let pairs: Vec<Pair> = parallel::map(samples(part).into_iter().filter(|q| refolded.is_of_one(q)), pair)
+        .into_iter()
+        .flatten()
+        .collect();
     let motion = best_motion(&pairs.iter().map(|p| (p.1, p.3)).collect::<Vec<_>>())?;
     let mut out = Matched { pairs, motion, mean_estimate: 0.0 };
     out.mean_estimate = (out.pairs.iter().map(|p| out.off(p).powi(2)).sum::<f64>() / out.pairs.len() as f64).sqrt();
@@ -88,7 +90,7 @@ impl Matched {
         let Self { pairs, motion, mean_estimate } = self;
         let worst = pairs.iter().max_by(|a, b| self.off(a).total_cmp(&self.off(b)))?;
         let back = motion.inverse()?;
-        let nearest = pairs.par_iter().map(|(q, x, on, y)| {
+        let nearest = parallel::map(pairs, |(q, x, on, y)| {
             let there = refine(&atlas.panels[on.panel].panel.surface, &motion.point(x), on.uv).distance;
             there.max(to_refolded(refolded, q, &back.point(y)))
         });
@@ -96,7 +98,7 @@ impl Matched {
             motion: *motion,
             matched_estimate: self.off(worst),
             matched_mean_estimate: *mean_estimate,
-            distance_estimate: nearest.reduce(|| 0.0, f64::max),
+            distance_estimate: nearest.into_iter().fold(0.0, f64::max),
             worst: worst.0,
             samples: pairs.len(),
         })

@@ -8,8 +8,8 @@
 
 use super::artwork::{ArtworkMap, Off, PlacedShape, Side};
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::spline::curve::Curve;
-use rayon::prelude::*;
 
 /// Steps over a curve's extent, at most.
 const STEPS: f64 = 400.0;
@@ -137,13 +137,13 @@ impl Follower<'_> {
             at.extend((0..n).map(|i| k as f64 + i as f64 / n as f64));
         }
         at.push(self.curves.len() as f64);
-        let first: Vec<Seen> = at.par_iter().map(|s| self.look(*s)).collect();
+        let first: Vec<Seen> = parallel::map(at.iter(), |s| self.look(*s));
         let between = |w: &[Seen]| {
             let mut out = vec![w[0]];
             self.halve(&w[0], &w[1], HALVINGS, &mut out);
             out
         };
-        let mut out: Vec<Seen> = first.par_windows(2).flat_map_iter(between).collect();
+        let mut out: Vec<Seen> = parallel::map(first.windows(2), between).into_iter().flatten().collect();
         out.extend(first.last());
         out
     }

@@ -10,8 +10,8 @@ use super::lines::distance_of_lines;
 
 use crate::fit::planes::linear_system::robust_weights;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Points of a neighbourhood that take part.
@@ -64,7 +64,7 @@ pub fn estimates(points: &[Vec3], count: usize) -> Result<Estimates, CloudError>
         grid = Grid::new(points, least);
     }
     let keys = grid.keys();
-    let found: Vec<Option<Estimate>> = keys.par_iter().map(|k| estimate(points, &grid, k)).collect();
+    let found: Vec<Option<Estimate>> = parallel::map(keys.iter(), |k| estimate(points, &grid, k));
     let mut items = Vec::new();
     let mut index = HashMap::new();
     let mut of_point = vec![None; points.len()];

@@ -9,11 +9,11 @@ use crate::fit::near::power_form::{Guesses, PowerForm};
 use crate::fit::near::samples::{Fit, Sample};
 use crate::fit::near::{descent::RefitOptions, refit::refit};
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::spline::pieces::Pieces;
 use crate::torse::convert::{parameters, patch, ConvertError, Extent};
 use crate::torse::form::{DualTorse, PrimalTorse, Torse};
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// Bins of rulings.
 const BINS: usize = 48;
@@ -103,21 +103,17 @@ pub(crate) fn assigned(
         let t = power_form.foot(&q, guesses.guess(&q), power_form.domain())?;
         Some(power_form.distance(&q, t).0.abs())
     };
-    points
-        .par_iter()
-        .zip(&estimates.of_point)
-        .map(|(p, e)| {
-            let own = e.and_then(|e| owner[e as usize]);
-            if let Some(k) = own.filter(|&k| distance(k, p).is_some_and(|d| d <= near)) {
-                return Some(k);
-            }
-            let mut around: Vec<u32> = estimates.near(p).filter_map(|e| owner[e as usize]).collect();
-            around.sort_unstable();
-            around.dedup();
-            let found = around.into_iter().filter_map(|k| Some((distance(k, p)?, k)));
-            found.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 <= near).map(|f| f.1)
-        })
-        .collect()
+    parallel::map(points.iter().zip(&estimates.of_point), |(p, e)| {
+        let own = e.and_then(|e| owner[e as usize]);
+        if let Some(k) = own.filter(|&k| distance(k, p).is_some_and(|d| d <= near)) {
+            return Some(k);
+        }
+        let mut around: Vec<u32> = estimates.near(p).filter_map(|e| owner[e as usize]).collect();
+        around.sort_unstable();
+        around.dedup();
+        let found = around.into_iter().filter_map(|k| Some((distance(k, p)?, k)));
+        found.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 <= near).map(|f| f.1)
+    })
 }
 
 /// The strip of a torse under points; points farther than `near` (mm) from it do not count.
@@ -128,20 +124,20 @@ pub fn strip(name: &str, fit: &Fit, points: &[Vec3], near: f64) -> Result<Strip,
     let power_form = PowerForm::of(&fit.torse).ok_or(ExtentError::Few(0))?;
     let guesses = power_form.guesses();
     let domain = power_form.domain();
-    let dropped: Vec<(f64, Vec3, f64)> = points
-        .par_iter()
-        .filter_map(|p| {
-            let q = power_form.local(p);
-            let t = power_form.foot(&q, guesses.guess(&q), domain)?;
-            let (d, _) = power_form.distance(&q, t);
-            if d.abs() > near {
-                return None;
-            }
-            let r = fit.torse.ruling(t);
-            let along = r.direction.dot(&(p - r.point));
-            Some((t, r.point + r.direction * along, along))
-        })
-        .collect();
+    let dropped: Vec<(f64, Vec3, f64)> = parallel::map(points.iter(), |p| {
+        let q = power_form.local(p);
+        let t = power_form.foot(&q, guesses.guess(&q), domain)?;
+        let (d, _) = power_form.distance(&q, t);
+        if d.abs() > near {
+            return None;
+        }
+        let r = fit.torse.ruling(t);
+        let along = r.direction.dot(&(p - r.point));
+        Some((t, r.point + r.direction * along, along))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     if dropped.len() < 4 {
         return Err(ExtentError::Few(dropped.len()));
     }

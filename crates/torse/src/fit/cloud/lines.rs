@@ -4,8 +4,8 @@
 //! the distance of the lines. Cells of a cloud must be larger than that, or each knows one line only, and no surface.
 
 use crate::geom::Vec3;
+use crate::num::parallel;
 use nalgebra::{Matrix3, SymmetricEigen};
-use rayon::prelude::*;
 
 /// Points around which it is looked, at least and at most, and distances that are measured for these if there are enough points.
 const LOOKS: (usize, usize) = (24, 120);
@@ -30,7 +30,7 @@ pub(super) fn distance_of_lines(points: &[Vec3]) -> Option<f64> {
     let count = (DISTANCES / points.len().max(1)).clamp(LOOKS.0, LOOKS.1);
     let stride = points.len().div_ceil(count).max(1);
     let looks: Vec<&Vec3> = points.iter().step_by(stride).collect();
-    let found: Vec<f64> = looks.par_iter().filter_map(|p| beside(points, p)).collect();
+    let found: Vec<f64> = parallel::map(looks.iter(), |p| beside(points, p)).into_iter().flatten().collect();
     if (found.len() as f64) < MOST * looks.len() as f64 {
         return None;
     }

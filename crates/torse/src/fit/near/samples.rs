@@ -2,8 +2,8 @@
 
 use super::power_form::PowerForm;
 use crate::geom::{BBox, Vec3};
+use crate::num::parallel;
 use crate::torse::form::{PanelKind, Torse};
-use rayon::prelude::*;
 
 /// A point of the surface to be approximated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub(crate) fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, u
     let power_form = PowerForm::of(torse)?;
     let planes = power_form.plane_table();
     let nearest = |s: &Sample| power_form.nearest_foot_of(&power_form.local(&s.x), &planes);
-    let feet: Option<Vec<f64>> = samples.par_iter().map(nearest).collect();
+    let feet: Option<Vec<f64>> = parallel::map(samples.iter(), nearest).into_iter().collect();
     measure(&power_form, samples, &mut feet?)
 }
 

@@ -10,7 +10,7 @@ mod path;
 pub mod ruled;
 
 use crate::num::hash::{HashMap, HashSet};
-use rayon::prelude::*;
+use crate::num::parallel;
 
 use super::chains::{self, Right};
 use super::line_intersection::on_normal;
@@ -59,7 +59,8 @@ pub fn panels(
     options: &BoundaryOptions,
 ) -> Result<Panels, BoundaryError> {
     let borders = Borders::new(face, partition, trim_edge, first_seam);
-    let built: Result<Vec<_>, _> = assigned.par_iter().map(|a| borders.panel(face_index, a, options)).collect();
+    let built: Result<Vec<_>, _> =
+        parallel::map(assigned.iter(), |a| borders.panel(face_index, a, options)).into_iter().collect();
     let (mut panels, trim_deviation_estimates): (Vec<Panel>, Vec<f64>) = built?.into_iter().unzip();
     for (k, p) in panels.iter_mut().enumerate() {
         p.strip.name = panel_name(face_index, k);

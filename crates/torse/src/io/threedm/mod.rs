@@ -33,7 +33,7 @@ use crate::brep::trim;
 use crate::io::model::unread;
 use crate::io::model::{Model, ReadOptions};
 use crate::io::words::left_out;
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::collections::{HashMap, HashSet};
 
 /// Whether bytes begin as an archive of Rhino does, of whatever version.
@@ -115,7 +115,7 @@ fn placed(shapes: Shapes, uses: &[Occurrence], options: &ReadOptions, skipped: &
     let jobs = shapes.shapes.into_iter().flat_map(|s| s.faces.into_iter().map(move |face| (s.object, face)));
     let jobs: Vec<(usize, Result<RawFace, Skipped>)> = jobs.collect();
     let trim = |(object, raw): (usize, Result<RawFace, Skipped>)| (object, raw.map(|raw| trimmed(&raw, options)));
-    for (object, face) in jobs.into_par_iter().map(trim).collect::<Vec<_>>() {
+    for (object, face) in parallel::map(jobs, trim) {
         match face {
             Ok(face) => by_object.entry(object).or_default().push(face),
             Err(lost) => skipped.push(lost),

@@ -15,8 +15,8 @@ use crate::geom::coarse::is_tolerance;
 use crate::geom::BBox;
 use crate::io::model::Model;
 use crate::io::words;
+use crate::num::parallel;
 use crate::reason::{Item, Reason, Unlaid};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -76,7 +76,7 @@ pub(super) fn flat_parts_of(
         );
         made
     };
-    let made: Vec<BodyParts> = bodies.par_iter().zip(&names).map(one).collect();
+    let made: Vec<BodyParts> = parallel::map(bodies.iter().zip(&names), one);
     let (mut parts, mut left) = (Vec::new(), Vec::new());
     for ((found, body), name) in made.into_iter().zip(&bodies).zip(&names) {
         let before = parts.len();

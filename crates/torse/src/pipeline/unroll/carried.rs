@@ -11,9 +11,9 @@ use crate::develop::unfold::part::FlatPart;
 use crate::develop::view::panels_viewed;
 use crate::geom::{BBox, Vec3};
 use crate::io::model::Model;
+use crate::num::parallel;
 use crate::patchwork::pattern::{MarkLine, Pattern};
 use crate::search::strips::face_panel::LaidFace;
-use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// What stands behind the label of a curve on the other skin of the sheet.
@@ -30,12 +30,11 @@ pub(super) fn carry(
     if curves.is_empty() {
         return Vec::new();
     }
-    let mut targets: Vec<Option<Target>> =
-        parts.par_iter().zip(laid).map(|(p, l)| target(p, l.as_ref(), faces)).collect();
+    let mut targets: Vec<Option<Target>> = parallel::map(parts.iter().zip(laid), |(p, l)| target(p, l.as_ref(), faces));
     let (panels, turned): (Vec<Option<Target>>, Vec<bool>) =
         covers.into_iter().map(|c| (c.target, c.is_turned)).unzip();
     targets.extend(panels);
-    let found: Vec<Found> = curves.par_iter().map(|c| one(c, &targets, tolerance)).collect();
+    let found: Vec<Found> = parallel::map(curves.iter(), |c| one(c, &targets, tolerance));
     let drawn = labelled(curves, &found, patterns.len());
     for (k, (pattern, curves)) in patterns.iter_mut().zip(drawn).enumerate() {
         pattern.curves = match laid.get(k) {

@@ -10,10 +10,10 @@ use crate::develop::shop::thickness::Sheet;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::view::{centre, sides};
 use crate::geom::outward::outward as outside_of_sheet;
+use crate::num::parallel;
 use crate::patchwork::outside::outward;
 use crate::patchwork::part::Part;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// The surfaces of the sheet that was asked for beside all panels, and what is to be told of them.
 pub(super) fn offsets(answer: &Answer, options: &WorkshopOptions) -> (Vec<OffsetFile>, Vec<ShopNote>) {
@@ -39,7 +39,7 @@ pub(super) fn offsets(answer: &Answer, options: &WorkshopOptions) -> (Vec<Offset
         let asked: Vec<(usize, f64, usize)> =
             wanted.flat_map(|(file, d)| (0..signs.len()).map(move |j| (file, d, j))).collect();
         let made: Vec<_> =
-            asked.par_iter().map(|&(file, d, j)| (file, one(answer, part.first + j, signs[j] * d))).collect();
+            parallel::map(asked.iter(), |&(file, d, j)| (file, one(answer, part.first + j, signs[j] * d)));
         for (file, found) in made {
             match found {
                 Ok(panel) => files[file].panels.push(panel),

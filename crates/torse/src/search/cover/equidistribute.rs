@@ -13,8 +13,8 @@ use super::state::{Density, State};
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::num::hash::{HashMap, HashSet};
+use crate::num::parallel;
 use crate::spline::field::Field;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
@@ -252,10 +252,9 @@ impl Job<'_> {
                 *p = self.piece(p.label, t);
                 p.proven = p.fit.as_ref().map(|_| laid.area(p.label));
             };
-            pieces
-                .par_iter_mut()
-                .zip(levels.par_windows(2))
-                .for_each(|(band, w)| band.par_iter_mut().for_each(|p| proven(p, w)));
+            parallel::for_each(pieces.iter_mut().zip(levels.windows(2)), |(band, w)| {
+                parallel::for_each(band.iter_mut(), |p| proven(p, w))
+            });
         }
         (laid, pieces)
     }
@@ -305,11 +304,9 @@ impl Job<'_> {
                 }
             }
         };
-        let pieces = bands
-            .par_iter()
-            .zip(levels.par_windows(2))
-            .map(|(band, w)| band.par_iter().map(|&label| proposed(label, w, band.len() == 1)).collect())
-            .collect();
+        let pieces = parallel::map(bands.iter().zip(levels.windows(2)), |(band, w)| {
+            parallel::map(band.iter(), |&label| proposed(label, w, band.len() == 1))
+        });
         (laid, pieces)
     }
 

@@ -7,6 +7,7 @@ use crate::fit::near::centre_line::centre_line;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::fit::strip_potential::StripPotential;
+use crate::num::parallel;
 use crate::spline::field::Field;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -120,7 +121,7 @@ impl Job<'_> {
         if depth > BOTH_ENDS_DEPTH {
             return run(&potential.field);
         }
-        let (up, down) = rayon::join(|| run(&potential.field), || run(&falling));
+        let (up, down) = parallel::join(|| run(&potential.field), || run(&falling));
         match (up, down) {
             (Some(a), Some(b)) => Some(if b.panels.len() < a.panels.len() { b } else { a }),
             (a, b) => a.or(b),

@@ -39,6 +39,7 @@ use crate::fit::strip_potential::{
     straight_bands, strip_potential, strip_potentials, StripPotential, StripPotentialOptions,
 };
 use crate::num::hash::HashMap;
+use crate::num::parallel;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
@@ -54,7 +55,6 @@ pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
 use march::SWEEP_DIRECTIONS;
 pub(in crate::search) use propose::least_bend;
-use rayon::prelude::*;
 pub(crate) use recount::Recount;
 pub(crate) use revolved::is_all_round;
 pub(in crate::search) use revolved::{meridian, revolved};
@@ -345,7 +345,7 @@ impl<'a> Job<'a> {
             found.truncate(1);
             return found;
         }
-        let (coarse, fine) = rayon::join(|| attempt(700, 2, 3), || attempt(1500, 3, 3));
+        let (coarse, fine) = parallel::join(|| attempt(700, 2, 3), || attempt(1500, 3, 3));
         let mut found: Vec<(f64, StripPotential)> =
             coarse.into_iter().chain(fine).map(|l| (self.bands_predicted(state, label, &l), l)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -406,20 +406,16 @@ impl<'a> Job<'a> {
     fn sweep(&self, state: &State, label: u32, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
         let before = state.panels.len();
-        directions
-            .par_iter()
-            .enumerate()
-            // Without a limit, directions of which nothing can be said are tried too.
-            .filter(|(_, s)| most.is_infinite() || s.promised < most)
-            .filter_map(|(rank, s)| {
-                let most = s.most_swept();
-                let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank, most })?;
-                let n = next.panels.len() - before;
-                incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
-                Some((n, rank, next))
-            })
-            .min_by_key(|(n, rank, _)| (*n, *rank))
-            .map(|(_, _, s)| s)
+        // Without a limit, directions of which nothing can be said are tried too.
+        let tried = directions.iter().enumerate().filter(|(_, s)| most.is_infinite() || s.promised < most);
+        let found = parallel::map(tried, |(rank, s)| {
+            let most = s.most_swept();
+            let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank, most })?;
+            let n = next.panels.len() - before;
+            incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
+            Some((n, rank, next))
+        });
+        found.into_iter().flatten().min_by_key(|(n, rank, _)| (*n, *rank)).map(|(_, _, s)| s)
     }
 
     /// Cuts a region for which no strip potential is good, where the parts together promise fewer strips (C4): by sign, in
@@ -431,19 +427,19 @@ impl<'a> Job<'a> {
                 StripPotentialOptions { rounds: 3, control: self.control.clone(), ..StripPotentialOptions::default() };
             strip_potential(&s.forms(l, 160), &s.places(l), &options)
         };
-        let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
-            .into_par_iter()
-            .filter_map(|k| {
-                let mut s = state.clone();
-                let parts = match k {
-                    0 => self.cut_by_sign(&mut s, label)?,
-                    1..4 => s.halve(label, k - 1)?,
-                    _ => stars[k - 4].cut(&mut s, label)?,
-                };
-                let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
-                Some((merit, s, parts))
-            })
-            .collect();
+        let candidates: Vec<(f64, State, Vec<u32>)> = parallel::map(0..4 + stars.len(), |k| {
+            let mut s = state.clone();
+            let parts = match k {
+                0 => self.cut_by_sign(&mut s, label)?,
+                1..4 => s.halve(label, k - 1)?,
+                _ => stars[k - 4].cut(&mut s, label)?,
+            };
+            let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
+            Some((merit, s, parts))
+        })
+        .into_iter()
+        .flatten()
+        .collect();
         let (merit, s, parts) = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         if merit > HOPED * four * budget as f64 {
             return None;

@@ -18,10 +18,10 @@ use crate::fit::near::exact::{exact, ExactOptions};
 use crate::fit::near::samples::{nearest_error, Fit, Sample};
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::num::hash::HashSet;
+use crate::num::parallel;
 use crate::patchwork::partition::centroid;
 use crate::search::apex::beside_poles;
 use crate::search::trims::about_its_circles;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Share of the tolerance within which a face must be one of revolution.
@@ -242,7 +242,9 @@ impl Job<'_> {
         let regions: Vec<(u32, &Fit)> =
             cones.iter().flat_map(|(fit, labels)| labels.iter().map(move |l| (*l, fit))).collect();
         let proven: Vec<(u32, Arc<Fit>)> =
-            regions.par_iter().map(|(l, fit)| Some((*l, self.proven_cone(&state, *l, fit)?))).collect::<Option<_>>()?;
+            parallel::map(regions.iter(), |(l, fit)| Some((*l, self.proven_cone(&state, *l, fit)?)))
+                .into_iter()
+                .collect::<Option<_>>()?;
         if proven.len() > self.options.max_panels {
             return None;
         }

@@ -13,11 +13,11 @@ use super::network::{Member, Network, Sample};
 
 use crate::geom::Vec3;
 use crate::num::block_matrix::{BlockMatrix, Structure};
+use crate::num::parallel;
 use crate::num::runs::{Bundles, Runs};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// What a way to the side counts against a distance.
@@ -255,7 +255,7 @@ impl Network<'_> {
     /// Edges along all lines; `None` for lines along which there is none.
     pub fn edges(&self) -> Vec<Option<Edge>> {
         let junctions = self.junctions();
-        self.lines.par_iter().map(|l| self.edge(l, &junctions)).collect()
+        parallel::map(self.lines.iter(), |l| self.edge(l, &junctions))
     }
 
     fn edge(&self, line: &Line, junctions: &[Junction]) -> Option<Edge> {
@@ -365,9 +365,9 @@ impl Network<'_> {
                 }
                 Some((gaps, beyond, largest))
             };
-            let of_lines = now.lines.par_iter().zip(&references).zip(&mut guesses).map(of_line);
+            let of_lines = parallel::map(now.lines.iter().zip(&references).zip(&mut guesses), of_line);
             let (mut gaps, mut beyond, mut largest) = (Tie::none(), Vec::new(), 0.0_f64);
-            for (of_line, behind, most) in of_lines.collect::<Option<Vec<_>>>()? {
+            for (of_line, behind, most) in of_lines.into_iter().collect::<Option<Vec<_>>>()? {
                 beyond.extend(behind.into_iter().map(|k| k + gaps.price.len()));
                 gaps.append(&of_line);
                 largest = largest.max(most);
@@ -420,7 +420,7 @@ impl Network<'_> {
             }
             out
         };
-        let all: Vec<Tie> = self.samples.par_chunks(AT_ONCE).map(some).collect();
+        let all: Vec<Tie> = parallel::map(self.samples.chunks(AT_ONCE), some);
         all.iter().for_each(|t| out.append(t));
     }
 

@@ -12,7 +12,7 @@ use super::line::Middle;
 use super::network::{lean, middle, Aim, Network};
 use crate::geom::Vec3;
 use crate::num::minimax_program::MinimaxProgram;
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::collections::BTreeSet;
 
 /// Sine of half the turn of two faces from which on the way to where their strips intersect counts as a distance.
@@ -140,7 +140,7 @@ impl<'a> Fleet<'a> {
     /// Middles of strips where faces meet; none where there is no foot.
     fn find_middles(&mut self) {
         let networks = &self.networks;
-        self.crossings.par_iter_mut().for_each(|c| {
+        parallel::for_each(self.crossings.iter_mut(), |c| {
             let sides = c.samples.map(|(network, sample)| {
                 let s = &networks[network].samples[sample];
                 Some((&networks[network].members[s.strip], s.foot?))

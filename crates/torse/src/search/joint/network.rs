@@ -6,8 +6,8 @@ use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, Wi
 use super::strip::{Rulings, Strip};
 use crate::brep::face::Face;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::torse::form::Torse;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Share of the least regularity of a strip to begin with below which feet are lost: what steps lead to differs a little from
@@ -190,7 +190,7 @@ impl Network<'_> {
 
     /// Tells strips where they lie on their rulings; their half widths, mm.
     pub fn lie_on_bands(&mut self) -> Vec<f64> {
-        let bands: Vec<Band> = (0..self.members.len()).into_par_iter().map(|k| self.band(k)).collect();
+        let bands: Vec<Band> = parallel::map(0..self.members.len(), |k| self.band(k));
         for (m, b) in self.members.iter_mut().zip(&bands) {
             m.strip = m.strip.clone().on_band(b);
         }
@@ -272,7 +272,7 @@ impl Network<'_> {
     pub fn find_neighbours(&mut self) {
         let reach = BESIDE * self.unit / UNIT;
         let lines = &self.lines;
-        self.samples.par_iter_mut().for_each(|s| {
+        parallel::for_each(self.samples.iter_mut(), |s| {
             let near = |l: &Line| l.points.iter().any(|p| (p.x - s.x).norm_squared() < reach * reach);
             s.lines = (0..lines.len()).filter(|&l| near(&lines[l])).map(|l| l as u32).collect();
         });
@@ -316,7 +316,7 @@ impl Network<'_> {
         for s in &self.samples {
             s.up.iter().for_each(|up| end(s.strip, &s.x, up, s.foot));
         }
-        self.samples.par_iter_mut().for_each(|s| {
+        parallel::for_each(self.samples.iter_mut(), |s| {
             let near = ends[s.strip].iter().filter(|(x, way)| {
                 let reach = 2.0 * tolerance + way;
                 (x - s.x).norm_squared() <= reach * reach
@@ -332,7 +332,7 @@ impl Network<'_> {
         for (k, l) in self.lines.iter_mut().enumerate() {
             let strips = l.strips;
             let found: Option<Vec<Middle>> =
-                l.points.par_iter().map(|p| middle_over(strips.map(|k| &members[k]), p)).collect();
+                parallel::map(l.points.iter(), |p| middle_over(strips.map(|k| &members[k]), p)).into_iter().collect();
             l.points.iter_mut().zip(found.ok_or(k)?).for_each(|(p, m)| p.middle = Some(m));
         }
         Ok(())
@@ -403,12 +403,12 @@ impl Network<'_> {
         let members = &out.members;
         for l in &mut out.lines {
             let strips = l.strips;
-            l.points.par_iter_mut().for_each(|p| {
+            parallel::for_each(l.points.iter_mut(), |p| {
                 p.feet = [0, 1].map(|e: usize| members[strips[e]].foot(&p.x, p.feet[e]?.t));
             });
         }
         let (lines, is_whole, most) = (&out.lines, out.is_whole, PASSED.0 * out.unit);
-        out.samples.par_iter_mut().for_each(|s| {
+        parallel::for_each(out.samples.iter_mut(), |s| {
             let before = s.foot.map(|f| f.t);
             let (strip, guess) = placed(lines, s, is_whole, most).unwrap_or((s.strip, before));
             s.foot = guess.and_then(|t| members[strip].foot(&s.x, t));

@@ -12,10 +12,10 @@ use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
 use crate::num::hash::HashSet;
+use crate::num::parallel;
 use crate::patchwork::partition::{centroid, edges};
 use crate::search::cover::State;
 use crate::torse::form::Torse;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Spans of strips to begin with, and at most.
@@ -61,7 +61,7 @@ fn network_of_others<'a>(
         let torse = &state.panels.get(&labels[k])?.torse;
         Some(Member { regular, ..member(labels[k], torse, &places[k], tolerance)? })
     };
-    let members: Vec<Option<Member>> = (0..labels.len()).into_par_iter().map(of_label).collect();
+    let members: Vec<Option<Member>> = parallel::map(0..labels.len(), of_label);
     let lost: Vec<u32> = members.iter().zip(&labels).filter(|m| m.0.is_none()).map(|m| *m.1).collect();
     if !lost.is_empty() {
         return Err(lost);
@@ -95,10 +95,10 @@ fn network_of_others<'a>(
     // Feet from nothing.
     let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
     let members = &out.members;
-    out.samples.par_iter_mut().for_each(|s| s.foot = members[s.strip].foot_anywhere(&rulings[s.strip], &s.x));
+    parallel::for_each(out.samples.iter_mut(), |s| s.foot = members[s.strip].foot_anywhere(&rulings[s.strip], &s.x));
     for l in &mut out.lines {
         let strips = l.strips;
-        l.points.par_iter_mut().for_each(|p| {
+        parallel::for_each(l.points.iter_mut(), |p| {
             p.feet = strips.map(|k| members[k].foot_anywhere(&rulings[k], &p.x));
         });
     }
@@ -262,18 +262,19 @@ fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given>
         let normal = j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros);
         Given { x: j.p, normal, strip, on_border }
     };
-    let of_edge: Vec<_> = of_edge.into_iter().collect();
-    out.par_extend(of_edge.into_par_iter().flat_map_iter(|((a, b), k)| {
+    let on_edges = parallel::map(of_edge, |((a, b), k)| {
         let [p, q] = [a, b].map(|v| partition.vertices[v as usize]);
         let is_border = border(a, b);
         let shares: &[f64] = if is_border { &ON_BORDER } else { &[0.5] };
-        shares.iter().map(move |s| at([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])], k, is_border))
-    }));
-    let triangles = (0..partition.triangles.len()).into_par_iter();
-    out.par_extend(triangles.filter_map(|t| {
+        let on = |s: &f64| at([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])], k, is_border);
+        shares.iter().map(on).collect::<Vec<_>>()
+    });
+    out.extend(on_edges.into_iter().flatten());
+    let within = parallel::map(0..partition.triangles.len(), |t| {
         let k = *index.get(&partition.labels[t])?;
         Some(at(centroid(partition.corners(t)), k, false))
-    }));
+    });
+    out.extend(within.into_iter().flatten());
     out
 }
 

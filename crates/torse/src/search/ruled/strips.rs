@@ -13,9 +13,9 @@ use crate::fit::ruled::directions::{samples, Family, Sample};
 use crate::fit::ruled::solve::{solve, SolveOptions, Strips};
 use crate::fit::ruled::strip_map::{strip, RuledStrip};
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::partition::{edges, Partition};
-use rayon::prelude::*;
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -233,7 +233,8 @@ impl<'a> Region<'a> {
         while count <= most && !control.stopped() {
             let levels = self.levels(plan, count);
             let rows: Option<Vec<(Chart, Strips)>> = if self.options.conoidal {
-                levels.par_windows(2).map(|w| self.conoid(chart, samples, [w[0], w[1]], goal)).collect()
+                let conoid = |w: &[f64]| self.conoid(chart, samples, [w[0], w[1]], goal);
+                parallel::map(levels.windows(2), conoid).into_iter().collect()
             } else {
                 self.smoothest(chart, &levels, goal).map(|s| vec![(chart.clone(), s)])
             };
@@ -317,14 +318,13 @@ impl<'a> Region<'a> {
         }
         let alone = layout.rows.len() == count && count > 1;
         let inside = |p: [f64; 2]| self.outline.contains(p);
-        let made: Option<Vec<RuledStrip>> = (0..count)
-            .into_par_iter()
-            .map(|k| {
-                let (chart, strips) = &layout.rows[if alone { k } else { 0 }];
-                let own = if alone { 0 } else { k };
-                strip(&piece.face.surface, chart, (strips, own), &inside, MAP * tolerance)
-            })
-            .collect();
+        let made: Option<Vec<RuledStrip>> = parallel::map(0..count, |k| {
+            let (chart, strips) = &layout.rows[if alone { k } else { 0 }];
+            let own = if alone { 0 } else { k };
+            strip(&piece.face.surface, chart, (strips, own), &inside, MAP * tolerance)
+        })
+        .into_iter()
+        .collect();
         let made = made.ok_or(LeftOut::NoMap { around })?;
         let trim_edge = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
         let borders = Borders::new(&piece.face, &partition, &trim_edge, 0);
@@ -395,7 +395,7 @@ fn farthest(patchwork: &Patchwork) -> f64 {
         }
         off + all().map(|p| far(*p)).fold(0.0, f64::max)
     };
-    patchwork.panels.par_iter().map(of).reduce(|| 0.0, f64::max)
+    parallel::map(patchwork.panels.iter(), of).into_iter().fold(0.0, f64::max)
 }
 
 /// Coordinates for strips along all families of curves, with three sorts of boundaries.
@@ -410,21 +410,21 @@ fn plans(piece: &Piece, control: &Control) -> Vec<Plan> {
         .collect();
     pairs.sort_unstable();
     pairs.dedup();
-    [Family::Left, Family::Right, Family::AlongU, Family::AlongV]
-        .into_par_iter()
-        .flat_map_iter(|family| {
-            let samples = samples(&places, &pairs, family).unwrap_or_default();
-            let level = if control.stopped() { None } else { across(&samples) };
-            let asymptotic = family.is_asymptotic();
-            let of = move |b| {
-                let chart = Chart::new(&samples, Across::Level(level.clone()?), b)?;
-                let clear = chart.least_angle_sine > LEAST_SINE && chart.angle_estimate < MOST_ANGLE;
-                clear.then(|| Plan { chart, samples: samples.clone(), asymptotic })
-            };
-            let sorts = [Boundaries::AlongU, Boundaries::AlongV, Boundaries::Square];
-            sorts.into_iter().filter_map(of).collect::<Vec<_>>()
-        })
-        .collect()
+    parallel::map([Family::Left, Family::Right, Family::AlongU, Family::AlongV], |family| {
+        let samples = samples(&places, &pairs, family).unwrap_or_default();
+        let level = if control.stopped() { None } else { across(&samples) };
+        let asymptotic = family.is_asymptotic();
+        let of = move |b| {
+            let chart = Chart::new(&samples, Across::Level(level.clone()?), b)?;
+            let clear = chart.least_angle_sine > LEAST_SINE && chart.angle_estimate < MOST_ANGLE;
+            clear.then(|| Plan { chart, samples: samples.clone(), asymptotic })
+        };
+        let sorts = [Boundaries::AlongU, Boundaries::AlongV, Boundaries::Square];
+        sorts.into_iter().filter_map(of).collect::<Vec<_>>()
+    })
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// Unit normal of the plane to which the rulings at samples are most nearly parallel, against the directions across

@@ -14,13 +14,13 @@ use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::geom::Vec3;
 use crate::num::hash::HashMap;
+use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
 use crate::search::cover::{CoverOptions, Job, Limits, Recount, SeamLine, State};
 use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
 use crate::torse::form::{PanelKind, Torse};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
@@ -184,7 +184,7 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
             }
             Some(a.placed(base, joined, refinement == REFINEMENTS))
         };
-        let placed: Vec<Placed> = attempts.par_iter().zip(joined).map(placed).collect();
+        let placed: Vec<Placed> = parallel::map(attempts.iter().zip(joined), placed);
         let mut again = false;
         for (face, p) in placed.iter().enumerate() {
             if let Some(Err(refused)) = p {

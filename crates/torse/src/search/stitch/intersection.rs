@@ -11,6 +11,7 @@ use crate::fit::height::Height;
 use crate::fit::panels::boundary::{Borders, SeamChain};
 use crate::geom::Vec3;
 use crate::num::hash::{HashMap, HashSet};
+use crate::num::parallel;
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders as borders_of;
 use crate::search::cover::State;
@@ -18,7 +19,6 @@ use crate::search::joint::{turning, whole_borders};
 use crate::spline::curve::Curve;
 use crate::spline::lsq;
 use crate::torse::form::Torse;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Borders move by at most this share of the width of the region that they move into: to where strips of their own intersect;
@@ -416,13 +416,12 @@ impl Pair<'_> {
         let at = |v: u32| state.partition.vertices[v as usize];
         let place = |v: u32| state.jets[v as usize].jet.p;
         // 1. Ways from the border to the intersection, positive towards the first label, which is on the left.
-        let across: Vec<[f64; 2]> = (0..=last)
-            .into_par_iter()
-            .map(|i| {
-                let tangent = place(line[(i + 1).min(last)]) - place(line[i.saturating_sub(1)]);
-                self.across(at(line[i]), &tangent)
-            })
-            .collect::<Option<_>>()?;
+        let across: Vec<[f64; 2]> = parallel::map(0..=last, |i| {
+            let tangent = place(line[(i + 1).min(last)]) - place(line[i.saturating_sub(1)]);
+            self.across(at(line[i]), &tangent)
+        })
+        .into_iter()
+        .collect::<Option<_>>()?;
         let sign = across[last / 2][1].signum();
         let ways: Vec<f64> = across.iter().map(|[difference, slope]| -difference / slope).collect();
         let reach = if self.known.is_some() { REACH.1 } else { REACH.0 };
@@ -445,14 +444,11 @@ impl Pair<'_> {
             .into_iter()
             .flat_map(|(l, side)| state.partition.region_vertices(l).into_iter().map(move |v| (v, side)))
             .collect();
-        let asked: Vec<(u32, f64, Option<f64>)> = vertices
-            .par_iter()
-            .map(|&(v, side)| {
-                let near = |i: usize| (place(line[i]) - place(v)).norm() <= ASKED * reach[i];
-                let is_asked = beside.contains(&v) || (0..=last).any(near);
-                (v, side, if is_asked { self.difference(at(v)) } else { None })
-            })
-            .collect();
+        let asked: Vec<(u32, f64, Option<f64>)> = parallel::map(vertices.iter(), |&(v, side)| {
+            let near = |i: usize| (place(line[i]) - place(v)).norm() <= ASKED * reach[i];
+            let is_asked = beside.contains(&v) || (0..=last).any(near);
+            (v, side, if is_asked { self.difference(at(v)) } else { None })
+        });
         // 3. The cut.
         let bits = |p: [f64; 2]| p.map(f64::to_bits);
         let known: HashMap<[u64; 2], f64> =
@@ -489,14 +485,12 @@ impl Pair<'_> {
             .collect();
         let is_one_torse = self.heights[0].is_of_the_torse_of(self.heights[1]);
         let places = if is_one_torse { self.smoothed(places, chain.length)? } else { places };
-        let mut points: Vec<[f64; 3]> = places
-            .into_par_iter()
-            .enumerate()
-            .map(|(i, here)| {
-                let stays = is_one_torse || i == 0 || i == count;
-                lifted(if stays { here } else { self.onto(here, [false; 2])? }).map(Into::into)
-            })
-            .collect::<Option<_>>()?;
+        let mut points: Vec<[f64; 3]> = parallel::map(places.into_iter().enumerate(), |(i, here)| {
+            let stays = is_one_torse || i == 0 || i == count;
+            lifted(if stays { here } else { self.onto(here, [false; 2])? }).map(Into::into)
+        })
+        .into_iter()
+        .collect::<Option<_>>()?;
         for (v, is_last) in [(*line.first()?, false), (*line.last()?, true)] {
             let at = if is_last { count } else { 0 };
             let here = Vec3::from(points[at]);

@@ -3,11 +3,11 @@
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::{Borders, SeamChain};
 use crate::num::hash::{HashMap, HashSet};
+use crate::num::parallel;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::partition::Partition;
 use crate::search::cover::State;
 use crate::spline::curve::Curve;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -38,25 +38,25 @@ pub(crate) fn settle(
     }
     let ends = all.iter().filter(|e| e.2).map(|e| e.1).collect();
     let held = held_by_border(face, partition, &ends);
-    let mut waiting: Vec<(u32, [f64; 2])> = all
-        .par_iter()
-        .filter_map(|&(k, v, is_end)| {
-            let old = partition.vertices[v as usize];
-            let mut fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
-            if let Some(held) = held.get(&v) {
-                if *held == [false; 2] {
-                    return None;
-                }
-                fixed = [0, 1].map(|d: usize| fixed[d] || held[d]);
+    let mut waiting: Vec<(u32, [f64; 2])> = parallel::map(all.iter(), |&(k, v, is_end)| {
+        let old = partition.vertices[v as usize];
+        let mut fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+        if let Some(held) = held.get(&v) {
+            if *held == [false; 2] {
+                return None;
             }
-            let stays = fixed == [true; 2] || (is_end && fixed == [false; 2]);
-            if stays {
-                None
-            } else {
-                Some((v, place(k, old, fixed)?))
-            }
-        })
-        .collect();
+            fixed = [0, 1].map(|d: usize| fixed[d] || held[d]);
+        }
+        let stays = fixed == [true; 2] || (is_end && fixed == [false; 2]);
+        if stays {
+            None
+        } else {
+            Some((v, place(k, old, fixed)?))
+        }
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     let mut around: HashMap<u32, Vec<usize>> = waiting.iter().map(|&(v, _)| (v, Vec::new())).collect();
     for (t, corners) in partition.triangles.iter().enumerate() {
         for v in corners {

@@ -6,11 +6,11 @@ use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::SQUARE_METRES;
+use crate::num::parallel;
 use crate::reason::{Reason, StripReason, Witness};
 use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// Stations per strip where twist and clearance are measured.
 const STATIONS: usize = 64;
@@ -148,7 +148,7 @@ fn found_of(candidate: &Candidate, limit: f64, control: &Control) -> Found {
 /// What is found of strips; `limit` (rad) is the twist that counts as developable. Each strip for itself, on all cores;
 /// what a control stops is not proven.
 pub(crate) fn findings(strips: &[Candidate], limit: f64, control: &Control) -> Vec<Found> {
-    strips.par_iter().map(|s| found_of(s, limit, control)).collect()
+    parallel::map(strips.iter(), |s| found_of(s, limit, control))
 }
 
 /// Judges strips; `sides` say what the distances from their rails are called, `limit` (rad) is the twist that counts as

@@ -4,8 +4,8 @@ use crate::design::hull::strips::HullPart;
 use crate::design::hull::Hull;
 use crate::geom::box_tree::{nearest_on_triangle, BoxTree};
 use crate::geom::{BBox, Vec3};
+use crate::num::parallel;
 use crate::spline::surface::Surface;
-use rayon::prelude::*;
 
 /// Pieces of a strip on each of its spans, and at least.
 const PIECES: (usize, usize) = (4, 8);
@@ -20,7 +20,8 @@ pub fn apart(hull: &Hull, made: &[HullPart], tolerance: f64) -> Option<(f64, Vec
         .iter()
         .flat_map(|p| p.strips.iter().map(|s| &s.built.strip.patch).chain(p.facet.iter().map(|f| &f.patch)))
         .collect();
-    let (cut, heights): (Vec<Vec<[Vec3; 3]>>, Vec<f64>) = patches.par_iter().map(|s| triangles(s)).unzip();
+    let (cut, heights): (Vec<Vec<[Vec3; 3]>>, Vec<f64>) =
+        parallel::map(patches.iter(), |s| triangles(s)).into_iter().unzip();
     let strips = cut.concat();
     let allowed = SLACK * (hull.sagitta + heights.into_iter().fold(0.0, f64::max) + tolerance);
     let far = [farthest(&hull.triangles, &strips), farthest(&strips, &hull.triangles)];
@@ -57,5 +58,5 @@ fn farthest(of: &[[Vec3; 3]], from: &[[Vec3; 3]]) -> Option<(f64, Vec3)> {
         };
         (tree.nearest(&x, &off).map_or(f64::INFINITY, |n| n.1.sqrt()), x)
     };
-    of.par_iter().map(far).max_by(|a, b| a.0.total_cmp(&b.0))
+    parallel::map(of.iter(), far).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
 }

@@ -3,11 +3,11 @@
 use crate::certify::claim::{Claim, LowerBound, Subject, What};
 use crate::certify::regression::{clearance_bound, margin_bound, regression, RegressionVerdict};
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::reason::{Reason, StripReason};
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
-use rayon::prelude::*;
 
 /// The proven distance between the strip of a number and its regression curve.
 pub(crate) fn claim(index: usize, strip: &Strip) -> Claim {
@@ -36,7 +36,7 @@ pub(crate) fn claims(strips: &[Strip], asked: &(dyn Fn(usize) -> f64 + Sync)) ->
         let claim = Claim::at_least(What::RegressionClearance, Subject::Panel(k), clearance);
         (clearance, [claim, margin_claim(k, s, asked(k))])
     };
-    let each: Vec<_> = strips.par_iter().enumerate().filter(|(_, s)| bends(s)).map(of).collect();
+    let each: Vec<_> = parallel::map(strips.iter().enumerate().filter(|(_, s)| bends(s)), of);
     if each.is_empty() {
         return Vec::new();
     }

@@ -7,12 +7,12 @@ use crate::fit::panels::chains::{Chain, Right};
 use crate::fit::panels::trim::{self, Waypoint};
 use crate::fit::ruled::strip_map::RuledStrip;
 use crate::num::hash::HashMap;
+use crate::num::parallel;
 use crate::patchwork::foot_map::FootMap;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim};
 use crate::spline::curve::Curve;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
-use rayon::prelude::*;
 
 /// A ruled strip for a label.
 #[derive(Clone, Copy, Debug)]
@@ -56,11 +56,12 @@ impl Borders<'_> {
         options: &BoundaryOptions,
     ) -> Vec<Result<Panel, BoundaryError>> {
         let of: HashMap<u32, &AssignedStrip> = assigned.iter().map(|a| (a.label, a)).collect();
-        let shared: HashMap<usize, SharedLine> = (0..self.chains.len())
-            .into_par_iter()
-            .filter_map(|k| Some((k, self.shared_line(&self.chains[k], &of, options)?)))
-            .collect();
-        assigned.par_iter().map(|a| self.ruled_panel(face_index, a, &shared, options)).collect()
+        let shared: HashMap<usize, SharedLine> =
+            parallel::map(0..self.chains.len(), |k| Some((k, self.shared_line(&self.chains[k], &of, options)?)))
+                .into_iter()
+                .flatten()
+                .collect();
+        parallel::map(assigned.iter(), |a| self.ruled_panel(face_index, a, &shared, options))
     }
 
     /// The line between two neighbours of a row.

@@ -35,8 +35,8 @@ use crate::geom::Vec3;
 use crate::io::model::unread;
 use crate::io::model::{first_of, Model, ReadOptions};
 use crate::io::words::why;
+use crate::num::parallel;
 use nalgebra::Matrix3;
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Why nothing could be read at all.
@@ -205,7 +205,7 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
     let chords = options.chord_tolerance.map(|t| t / unit);
     let geometry = Geometry { records };
     let built: HashMap<(u64, bool), Result<Vec<Face>, Lost>> =
-        jobs.into_par_iter().map(|job| (job, geometry.faces(job.0, Asked { flipped: job.1, chords }))).collect();
+        parallel::map(jobs, |job| (job, geometry.faces(job.0, Asked { flipped: job.1, chords }))).into_iter().collect();
     let mut out = Vec::new();
     let mut named: HashMap<(u64, bool), usize> = HashMap::new();
     for o in &census.occurrences {

@@ -3,7 +3,7 @@
 use super::fields::{Delimiters, Field, Reader};
 use super::global::Global;
 use super::sections::{Line, Sections};
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::collections::HashMap;
 
 /// Something in the file that cannot be used.
@@ -180,7 +180,7 @@ impl Records {
         let mut entries = directory(&sections.directory, &mut notes);
         let data = Data::of(sections, global.delimiters.record);
         let delimiters = global.delimiters;
-        entries.par_iter_mut().for_each(|(entry, place)| {
+        parallel::for_each(entries.iter_mut(), |(entry, place)| {
             let text = data.text(entry, *place);
             (entry.fields, entry.complete) = parameters(&text, entry.kind, delimiters);
         });

@@ -30,7 +30,7 @@ use crate::brep::trim;
 use crate::io::model::unread;
 use crate::io::model::{first_of, Model, ReadOptions};
 use crate::io::words::why;
-use rayon::prelude::*;
+use crate::num::parallel;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
@@ -294,20 +294,19 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
     let mut jobs: Vec<(u64, bool, usize)> = census.occurrences.iter().map(key).collect();
     jobs.sort_unstable();
     jobs.dedup();
-    let built: HashMap<(u64, bool, usize), Result<Vec<Face>, Lost>> = jobs
-        .into_par_iter()
-        .map(|job| {
-            let (id, flipped, units) = job;
-            let geometry = Geometry { records, units: &census.units[units] };
-            let trimmed =
-                |raw: &RawFace| trim::faces(raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string()));
-            let faces = geometry.faces(id, flipped).and_then(|raw| {
-                let all: Result<Vec<Vec<Face>>, Fault> = raw.iter().map(trimmed).collect();
-                all.map(|f| f.into_iter().flatten().collect())
-            });
-            (job, faces.map_err(|fault| Lost { fault, area: geometry.spanned_area(id, 0) }))
-        })
-        .collect();
+    let built: HashMap<(u64, bool, usize), Result<Vec<Face>, Lost>> = parallel::map(jobs, |job| {
+        let (id, flipped, units) = job;
+        let geometry = Geometry { records, units: &census.units[units] };
+        let trimmed =
+            |raw: &RawFace| trim::faces(raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string()));
+        let faces = geometry.faces(id, flipped).and_then(|raw| {
+            let all: Result<Vec<Vec<Face>>, Fault> = raw.iter().map(trimmed).collect();
+            all.map(|f| f.into_iter().flatten().collect())
+        });
+        (job, faces.map_err(|fault| Lost { fault, area: geometry.spanned_area(id, 0) }))
+    })
+    .into_iter()
+    .collect();
     let mut out = Vec::new();
     let mut named: HashMap<(u64, bool, usize), usize> = HashMap::new();
     for o in &census.occurrences {

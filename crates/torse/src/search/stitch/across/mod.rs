@@ -16,6 +16,7 @@ use crate::certify::{known_of, Known, SeamStatus};
 use crate::control::Control;
 use crate::fit::panels::boundary::TrimChain;
 use crate::geom::Vec3;
+use crate::num::parallel;
 use crate::patchwork::panel::Border;
 use crate::search::build::{limits_missed, rebuilt, Built, Rebuilding};
 use crate::search::cover::Limits;
@@ -27,7 +28,6 @@ use heights::{corner_counts, counts, meetings};
 use intersection_curve::{ended_anew, intersection_curve, parts, IntersectionCurve, Model};
 use likely::{at_least, Ending};
 use places::{common, cut, shares_along, Common, Ground};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use vertices::{Corner, Corners, InnerSeam, Torses};
 
@@ -75,7 +75,7 @@ pub(crate) fn met_across(built: &[&Built], tolerance: f64, limits: &Limits, cont
     if all.is_empty() {
         return nothing();
     }
-    let known: Vec<Known> = built.par_iter().map(|b| known_of(&b.certificate, &b.patchwork)).collect();
+    let known: Vec<Known> = parallel::map(built.iter(), |b| known_of(&b.certificate, &b.patchwork));
     let attempt = Attempt { built, grounds, all, known, tolerance, limits, control, torses: Torses::of(built) };
     let mut refused = BTreeSet::new();
     let mut out = nothing();
@@ -151,7 +151,7 @@ impl Attempt<'_> {
         self.edges(&wanted, &corners, &mut changes)?;
         self.ends(&corners, &seams, &mut changes)?;
         let made: Vec<Option<(Built, BTreeSet<u32>)>> =
-            changes.par_iter().enumerate().map(|(face, change)| self.rebuilt(face, change)).collect();
+            parallel::map(changes.iter().enumerate(), |(face, change)| self.rebuilt(face, change));
         let bad: BTreeSet<usize> = made
             .iter()
             .enumerate()
@@ -212,7 +212,7 @@ impl Attempt<'_> {
 
     /// Common edges, for the faces on both sides.
     fn edges(&self, wanted: &[usize], corners: &Corners, changes: &mut [Change]) -> Result<(), Vec<usize>> {
-        let found: Vec<Option<Edge>> = wanted.par_iter().map(|&e| self.edge(&self.all[e], corners)).collect();
+        let found: Vec<Option<Edge>> = parallel::map(wanted.iter(), |&e| self.edge(&self.all[e], corners));
         let bad: Vec<usize> = wanted.iter().zip(&found).filter(|f| f.1.is_none()).map(|f| *f.0).collect();
         if !bad.is_empty() {
             return Err(bad);
@@ -446,7 +446,7 @@ impl Attempt<'_> {
                 counts: if turns { counts(of, &self.grounds, &self.torses) } else { None },
             }
         };
-        out.edges = self.all.par_iter().enumerate().map(beside).collect();
+        out.edges = parallel::map(self.all.iter().enumerate(), beside);
         let edges: Vec<usize> = (0..self.all.len()).collect();
         let corners = Corners::of(&self.all, &edges, &self.seams());
         let of = |face: usize| corners.all.iter().filter_map(|c| self.corner_counts(c, face)).collect();

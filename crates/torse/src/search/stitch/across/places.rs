@@ -3,9 +3,9 @@
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::{Borders, TrimChain};
 use crate::geom::{BBox, Vec3};
+use crate::num::parallel;
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders_cut_at;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Borders of two faces within this share of the tolerance are one edge of the model.
@@ -160,7 +160,7 @@ fn border_polylines(grounds: &[Ground], tolerance: f64) -> Vec<BorderPolyline> {
         }
         out
     };
-    grounds.par_iter().enumerate().flat_map_iter(of).collect()
+    parallel::map(grounds.iter().enumerate(), of).into_iter().flatten().collect()
 }
 
 /// Cuts the borders of faces at the ends of those of others along the same edge of the model.
@@ -186,14 +186,13 @@ pub(super) fn cut(grounds: &mut [Ground], tolerance: f64) {
         });
         found.collect()
     };
-    let found: Vec<_> = all
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(i, a)| {
-            let beside = all.iter().enumerate().filter(|(j, b)| *j != i && a.may_lie_along(b) && touch(a, b, reach));
-            beside.flat_map(|(_, b)| ends_on(a, b)).collect::<Vec<_>>()
-        })
-        .collect();
+    let found: Vec<_> = parallel::map(all.iter().enumerate(), |(i, a)| {
+        let beside = all.iter().enumerate().filter(|(j, b)| *j != i && a.may_lie_along(b) && touch(a, b, reach));
+        beside.flat_map(|(_, b)| ends_on(a, b)).collect::<Vec<_>>()
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     for (at, share) in found {
         wanted.entry(at).or_default().push(share);
     }
@@ -251,7 +250,7 @@ pub(super) fn common(grounds: &[Ground], tolerance: f64) -> Vec<Common> {
         };
         all.iter().enumerate().skip(i + 1).filter_map(of).collect()
     };
-    let found: Vec<(usize, usize, bool)> = (0..all.len()).into_par_iter().flat_map_iter(with_later).collect();
+    let found: Vec<(usize, usize, bool)> = parallel::map(0..all.len(), with_later).into_iter().flatten().collect();
     let mut uses = vec![0; all.len()];
     for &(i, j, _) in &found {
         uses[i] += 1;
