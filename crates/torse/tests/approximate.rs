@@ -629,7 +629,9 @@ fn bands_run_over_waves_as_far_as_the_face_goes() {
 
 #[test]
 fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the_same() {
-    let mut o = apart(TIGHT);
+    // Two plane panels are no cover for this.
+    let tolerance = 12.0;
+    let mut o = apart(tolerance);
     o.limits.min_bend_radius = Some(20_000.0);
     let out = run(TORUS, &o).expect("an answer");
     assert_eq!(out.status(), Status::Uncertified);
@@ -637,7 +639,7 @@ fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the
     assert!(why.contains("attempts whose panels bend with a radius of 20000 mm"), "{why}");
     // Deviation and cover are proven; only the bends are sharper than asked for.
     let certificate = out.certificate().expect("a certificate");
-    assert!(certificate.covered && certificate.deviation_bound <= TIGHT, "{}", certificate.deviation_bound);
+    assert!(certificate.covered && certificate.deviation_bound <= tolerance, "{}", certificate.deviation_bound);
     assert!(!out.beyond_limits.is_empty());
 }
 

@@ -127,8 +127,21 @@ fn all_quadrilaterals_of_a_strip_are_proven() {
     assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
 }
 
+/// The same files, the drawing as a program writes it that keeps three decimals.
+fn rounded(files: &Files) -> Files {
+    let text = String::from_utf8(files["patterns.dxf"].clone()).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    let pair = |w: &[&str]| match (w[0].trim(), w[1].trim().parse::<f64>()) {
+        ("10" | "20" | "11" | "21", Ok(x)) => format!("{}\n{x:.3}\n", w[0]),
+        _ => format!("{}\n{}\n", w[0], w[1]),
+    };
+    let drawing = lines.chunks_exact(2).map(pair).collect::<String>().into_bytes();
+    files.iter().map(|(n, f)| (n.clone(), if n == "patterns.dxf" { drawing.clone() } else { f.clone() })).collect()
+}
+
 /// A duct from square to round, planes and fans that end in points on the outline, as one flat part of the loft and in the parts
-/// that `unroll` makes of its panels: fans between planes begin and end at lines that are drawn.
+/// that `unroll` makes of its panels: fans between planes begin and end at lines that are drawn, which another program may
+/// have rounded.
 #[test]
 fn fans_between_planes_are_proven() {
     let rail = |name: &str, bytes: &[u8]| torse::read_curve(bytes, &CurveOptions::new(name)).expect("a rail").0;
@@ -146,7 +159,7 @@ fn fans_between_planes_are_proven() {
     let report = refold(&|n| wrapped.get(n).cloned(), &Control::default()).expect("an answer").report();
     let proven = report.parts.iter().flat_map(|p| &p.panels).filter(|p| p.distance_bound.is_some_and(|b| b < 0.05));
     assert_eq!(proven.count(), report.parts.iter().map(|p| p.panels.len()).sum::<usize>(), "{report:?}");
-    for (files, bound) in [(files, 0.02), (unrolled, 0.3)] {
+    for (files, bound) in [(files, 0.02), (rounded(&unrolled), 0.3)] {
         let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
         assert!(report.left.is_empty(), "{report:?}");
         let panels: Vec<_> = report.parts.iter().flat_map(|p| &p.panels).collect();

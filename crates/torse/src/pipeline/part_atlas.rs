@@ -6,7 +6,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
 use crate::develop::refold::atlas::{of_face, Atlas, AtlasError, PanelPatch};
-use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow};
+use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow, ROUNDED};
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{one_family, sheet, RefoldError};
 use crate::develop::shop::thickness::SheetSide;
@@ -25,9 +25,11 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     let joints: Vec<Vec<_>> = part.contours.iter().map(|c| c.iter().map(|j| j.0).collect()).collect();
     let whole = FlatPart { loops: joints.clone(), ..FlatPart::default() };
     let size = whole.size();
+    // What ends in a corner ends in it to the bit: rulings that meet there would cross beside it where a drawing is rounded.
+    let settled = |ends: &[Vec2; 2]| ends.map(|q| corner_near(&joints, q));
     let numbers = part.exact.as_ref().filter(|_| exact);
     let line = |(k, (ends, row)): (usize, &([_; 2], crate::io::result_folder::TableLine))| BendLine {
-        ends: *ends,
+        ends: settled(ends),
         bend: numbers.map_or(row.bend, |n| n[k]),
     };
     let bend = |b: &crate::io::result_folder::TableBend| SheetRow {
@@ -45,15 +47,21 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     FlatPart {
         fibre: body.and_then(|n| Some(Fibre { k: n.k.factor()?, thickness: greatest(n), above: 0.0 })),
         loops: part.contours.iter().map(|c| polygon(c, size)).collect(),
-        joints,
         lines: part.lines.iter().enumerate().map(line).collect(),
         bends: part.bends.iter().map(bend).collect(),
-        extents: part.extents.clone(),
+        extents: part.extents.iter().map(settled).collect(),
         inset,
         thickness: body.map_or(0.0, greatest),
         printed: part.printed,
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
+        joints,
     }
+}
+
+/// The corner of an outline that is one place with another, if there is one, else this.
+fn corner_near(joints: &[Vec<Vec2>], q: Vec2) -> Vec2 {
+    let nearest = joints.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
+    nearest.copied().filter(|c| (c - q).norm() <= ROUNDED).unwrap_or(q)
 }
 
 /// Greatest thickness (mm) of a sheet.

@@ -66,6 +66,10 @@ const LEAST_TURN: f64 = 5e-3;
 /// See [`LEAST_TURN`].
 const LONG_TURN: f64 = 1.0;
 
+/// Where a program writes a drawing anew with three decimals, a place moves by up to 0.0007 mm; two that were one are no farther apart
+/// than this, mm.
+pub(crate) const ROUNDED: f64 = 2e-3;
+
 /// Share of the size within which both sides of a slit are one line: far above what files print, far below any cut.
 const SLIT: f64 = 1e-7;
 
@@ -214,7 +218,7 @@ impl FlatPart {
     /// Whether the outlines go around places to their left once and around those to their right not at all, or once where
     /// another side runs back along them.
     fn winds_once(&self) -> bool {
-        let near = SLIT * self.size();
+        let near = ROUNDED.max(SLIT * self.size());
         let all: Vec<(Vec2, Vec2)> = sides(&self.loops).filter(|(p, q)| (q - p).norm() > near).collect();
         let side = |(p, q): &(Vec2, Vec2)| {
             let (way, length) = ((q - p).normalize(), (q - p).norm());

@@ -1,6 +1,6 @@
 //! The bend lines of a part, from end to end, in order and directed alike.
 
-use super::drawn::{inside, BendLine, FlatPart};
+use super::drawn::{inside, BendLine, FlatPart, ROUNDED};
 use super::RefoldError;
 use crate::develop::between::LineSide;
 use crate::geom::Vec2;
@@ -180,7 +180,8 @@ pub(super) fn check(part: &FlatPart, lines: &[Whole]) -> Result<(), RefoldError>
         let side = |p: Vec2| w[0].way.perp(&(p - w[0].at));
         let (a, b) = (side(w[1].point(0.0)), side(w[1].point(1.0)));
         let reach = w[0].point(0.0)..w[0].point(1.0);
-        if a * b < 0.0 {
+        // Rulings that nearly meet cross where the drawing is rounded.
+        if a * b < 0.0 && a.abs().min(b.abs()) > ROUNDED {
             let cut = w[1].point(a / (a - b));
             let along = w[0].way.dot(&(cut - reach.start));
             let slack = part.inset.max(ON_ONE_LINE * part.size());

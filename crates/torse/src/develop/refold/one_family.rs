@@ -324,4 +324,16 @@ mod tests {
         flat.lines[1].ends = [Vec2::new(80.0, 195.0), Vec2::new(80.0, 300.0)];
         assert_eq!(refold(&flat).map(|_| ()), Err(RefoldError::Outside { line: 2 }));
     }
+
+    #[test]
+    fn lines_that_meet_may_be_rounded() {
+        let (mut flat, _) = part(0.0, 3);
+        flat.lines[2].ends = [Vec2::new(150.0, 0.0), Vec2::new(100.0, 100.0)];
+        for (off, good) in [(0.001, true), (0.1, false)] {
+            flat.lines[1].ends = [Vec2::new(100.0, 0.0), Vec2::new(100.0 + off, 100.0)];
+            let mut lines = whole_lines(&flat);
+            order(&mut lines);
+            assert_eq!(check(&flat, &lines).is_ok(), good, "{off}");
+        }
+    }
 }

@@ -6,7 +6,7 @@
 //! its first line and behind its last one are known: what the family gives there is brought to these.
 
 use super::cut::{cut, Region};
-use super::drawn::{distance, foot, inside, sides, FlatPart, SheetRow};
+use super::drawn::{distance, foot, inside, sides, FlatPart, SheetRow, ROUNDED};
 use super::lines::whole_lines;
 use super::one_family::rulings;
 use super::skin::on_skin;
@@ -116,7 +116,7 @@ fn middle(chord: &Chord) -> Vec2 {
 
 /// The lines where bends begin and end, each once, from outline to outline.
 fn ends(part: &FlatPart) -> Vec<Chord> {
-    let near = ON_ONE_LINE * part.size();
+    let near = ROUNDED.max(ON_ONE_LINE * part.size());
     let mut out: Vec<Chord> = Vec::new();
     for chord in part.extents.iter().map(|e| e.map(|q| on_outline(part, &q, near))) {
         let same = |c: &Chord| same_segment(c, &chord, near).is_some();

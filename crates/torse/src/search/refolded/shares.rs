@@ -4,7 +4,7 @@
 use crate::develop::refold::atlas::{Atlas, OnPanel};
 use crate::develop::refold::compare::samples;
 use crate::develop::refold::cut::{cut, Region};
-use crate::develop::refold::drawn::{bounds, distance, inside, FlatPart};
+use crate::develop::refold::drawn::{bounds, distance, inside, FlatPart, ROUNDED};
 use crate::develop::refold::leaf::Leaf;
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
@@ -47,7 +47,11 @@ pub(super) fn shares(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atla
             _ => out.push((k..k + 1, panel)),
         }
     }
-    let out = each_once(out);
+    let breadth = |range: &Range<usize>| -> f64 {
+        let of = |s: &Span| (s.in_plane.across + 0.5 * (s.reach[0] + s.reach[1]) * s.in_plane.spin).abs();
+        ribbon.spans[range.clone()].iter().map(of).sum()
+    };
+    let out = each_once(out, breadth);
     let share = |(range, panel): (Range<usize>, usize)| {
         let loops = between(leaf, ribbon, &range, (atlas, panel));
         Share { ribbon: Ribbon { spans: ribbon.spans[range].to_vec() }, panel, loops }
@@ -55,15 +59,26 @@ pub(super) fn shares(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atla
     out.into_iter().map(share).collect()
 }
 
-/// Every panel with its longest range: the middle of a ruling that leaves the part and comes back to it may lie on another one.
-fn each_once(ranges: Vec<(Range<usize>, usize)>) -> Vec<(Range<usize>, usize)> {
-    let longest = |panel: usize| ranges.iter().filter(|r| r.1 == panel).map(|r| r.0.len()).max();
+/// Every panel with its longest range: the middle of a ruling that leaves the part and comes back to it may lie on another one, and
+/// so may that of a ruling within what drawings are rounded by from the edge of a panel.
+fn each_once(
+    mut ranges: Vec<(Range<usize>, usize)>,
+    breadth: impl Fn(&Range<usize>) -> f64,
+) -> Vec<(Range<usize>, usize)> {
+    let longest: Vec<usize> =
+        ranges.iter().map(|r| ranges.iter().filter(|s| s.1 == r.1).map(|s| s.0.len()).max().unwrap_or(0)).collect();
+    let is_stray = |k: usize| longest[k] > ranges[k].0.len() || breadth(&ranges[k].0) <= ROUNDED;
+    let stray: Vec<bool> = (0..ranges.len()).map(is_stray).collect();
+    // What lies before the first range that is none belongs to this.
+    let first = stray.iter().position(|s| !s).unwrap_or(0);
+    if let Some(from) = ranges.first().map(|r| r.0.start) {
+        ranges[first].0.start = from;
+    }
     let mut out: Vec<(Range<usize>, usize)> = Vec::new();
-    for (range, panel) in &ranges {
-        let stray = longest(*panel).is_some_and(|l| l > range.len());
+    for ((range, panel), stray) in ranges.into_iter().zip(stray).skip(first) {
         match out.last_mut() {
-            Some(last) if stray || last.1 == *panel => last.0.end = range.end,
-            _ => out.push((range.clone(), *panel)),
+            Some(last) if stray || last.1 == panel => last.0.end = range.end,
+            _ => out.push((range, panel)),
         }
     }
     out
