@@ -54,3 +54,25 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
         _ => unreachable!("both were called"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_the_order_of_the_inputs() {
+        let words: Vec<String> = (0..1000).map(|k| k.to_string()).collect();
+        let lengths = map(words.iter().zip(0..), |(w, k)| (w.len(), k));
+        assert!(lengths.iter().enumerate().all(|(k, l)| *l == (k.to_string().len(), k)));
+        assert_eq!(map(words.clone(), |w| w), words);
+        assert!(map(Vec::<String>::new(), |w| w).is_empty());
+    }
+
+    #[test]
+    fn every_input_is_changed_once() {
+        let mut counts = vec![0; 1000];
+        for_each(counts.iter_mut(), |c| *c += 1);
+        assert!(counts.iter().all(|c| *c == 1));
+        assert_eq!(join(|| counts.len(), || "both"), (1000, "both"));
+    }
+}
