@@ -260,11 +260,11 @@ fn a_panel_moved_by_twice_the_tolerance_is_refused_with_a_witness() {
 #[test]
 fn numbers_rounded_for_export_are_part_of_the_bound() {
     let o = torus();
-    // Control points of the exported patch to whole millimetres, the torse left as it was.
+    // Control points of the exported patch to whole eighths of a millimetre, the torse left as it was.
     let mut coarse = o.patchwork().clone();
     for c in coarse.panels.iter_mut().flat_map(|p| &mut p.strip.patch.control) {
         for k in 0..3 {
-            c[k] = (c[k] / c[3]).round() * c[3];
+            c[k] = (c[k] / c[3] * 8.0).round() / 8.0 * c[3];
         }
     }
     let fine = judged(o.patchwork());

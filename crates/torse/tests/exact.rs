@@ -280,7 +280,7 @@ fn shallow_and_steep_cones_up_to_their_tips_are_one_panel() {
     for (radius, height) in [(50.0, 400.0), (600.0, 200.0), (1000.0, 100.0)] {
         let cone = SupportSurface::Cone { frame: Frame::world(), radius, slope: -radius / height };
         let face = Face::untrimmed(part(&cone, (0.0, 2.0 * PI), (0.0, height)));
-        for tolerance in [5.0, 0.02] {
+        for tolerance in [5.0, 0.5, 0.1, 0.02] {
             let out = panels(vec![face.clone()], tolerance);
             assert_eq!(out.patchwork().panels.len(), 1, "{radius} {height} {tolerance}");
             let area = PI * radius * radius.hypot(height);

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-/// Calls a function for every index below a number. The only place that hands rayon its work.
+/// Calls a function for every index below a number.
 fn each(count: usize, call: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().for_each(call);
 }

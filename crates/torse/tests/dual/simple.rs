@@ -57,7 +57,7 @@ fn heavy() -> Face {
 #[test]
 fn a_face_of_degree_six_gets_a_few_control_points() {
     let mut before = 0;
-    for (tolerance, most) in [(0.5, 8), (0.01, 14)] {
+    for (tolerance, most) in [(0.5, 8), (0.01, 14), (1e-3, 30)] {
         let got =
             fit_faces(&[heavy()], &[], &ElementFitOptions::new(tolerance, "six"), &Control::default()).expect("a fit");
         assert_eq!(got.status(), Status::Certified);
