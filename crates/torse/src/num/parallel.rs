@@ -1,5 +1,5 @@
 //! Work on all cores. What rayon builds for each closure that it is given is some eight thousand lines of machine-independent code;
-//! here it is given one, which all places share.
+//! here it is given one, which places share. Loops over rows of matrices and faces of hulls, which are many and short, ask it themselves.
 
 use std::sync::Mutex;
 

@@ -6,7 +6,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
 use crate::develop::refold::atlas::{of_face, Atlas, AtlasError, PanelPatch};
-use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow, ROUNDED};
+use crate::develop::refold::drawn::{chord_height, corner_near, polygon, BendLine, FlatPart, SheetRow, ROUNDED};
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{one_family, sheet, RefoldError};
 use crate::develop::shop::thickness::SheetSide;
@@ -26,7 +26,7 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     let whole = FlatPart { loops: joints.clone(), ..FlatPart::default() };
     let size = whole.size();
     // What ends in a corner ends in it to the bit: rulings that meet there would cross beside it where a drawing is rounded.
-    let settled = |ends: &[Vec2; 2]| ends.map(|q| corner_near(&joints, q));
+    let settled = |ends: &[Vec2; 2]| ends.map(|q| corner_near(&joints, q, ROUNDED));
     let numbers = part.exact.as_ref().filter(|_| exact);
     let line = |(k, (ends, row)): (usize, &([_; 2], crate::io::result_folder::TableLine))| BendLine {
         ends: settled(ends),
@@ -56,12 +56,6 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
         joints,
     }
-}
-
-/// The corner of an outline that is one place with another, if there is one, else this.
-fn corner_near(joints: &[Vec<Vec2>], q: Vec2) -> Vec2 {
-    let nearest = joints.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
-    nearest.copied().filter(|c| (c - q).norm() <= ROUNDED).unwrap_or(q)
 }
 
 /// Greatest thickness (mm) of a sheet.

@@ -163,6 +163,12 @@ pub(crate) fn crossings(loops: &[Vec<Vec2>], at: &Vec2, way: &Vec2) -> Vec<f64> 
     out
 }
 
+/// The nearest corner of polygons, if one is near (mm), else the place itself.
+pub(crate) fn corner_near(loops: &[Vec<Vec2>], q: Vec2, near: f64) -> Vec2 {
+    let corner = loops.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
+    corner.filter(|c| (*c - q).norm() <= near).copied().unwrap_or(q)
+}
+
 impl FlatPart {
     /// Diagonal of the box around the part, mm.
     pub fn size(&self) -> f64 {

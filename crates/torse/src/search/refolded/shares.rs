@@ -4,7 +4,7 @@
 use crate::develop::refold::atlas::{Atlas, OnPanel};
 use crate::develop::refold::compare::samples;
 use crate::develop::refold::cut::{cut, Region};
-use crate::develop::refold::drawn::{bounds, distance, inside, FlatPart, ROUNDED};
+use crate::develop::refold::drawn::{bounds, corner_near, distance, inside, FlatPart, ROUNDED};
 use crate::develop::refold::leaf::Leaf;
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
@@ -158,12 +158,6 @@ fn common_edges(loops: &[Vec<Vec2>], near: f64, atlas: &Atlas) -> Vec<[Vec2; 2]>
 /// A chord with its ends on the border of polygons, in corners to the bit where some are near; `None` where one is not.
 fn snapped(loops: &[Vec<Vec2>], chord: [Vec2; 2], near: f64) -> Option<[Vec2; 2]> {
     chord.iter().all(|q| distance(loops, q) <= near).then(|| chord.map(|q| corner_near(loops, q, near)))
-}
-
-/// The nearest corner of polygons, if one is near, else the place itself.
-fn corner_near(loops: &[Vec<Vec2>], q: Vec2, near: f64) -> Vec2 {
-    let corner = loops.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
-    corner.filter(|c| (*c - q).norm() <= near).copied().unwrap_or(q)
 }
 
 /// The part of a region that lies on a range of spans: cut off along its first and last ruling, between corners of the panel.
