@@ -72,8 +72,7 @@ fn split(arguments: &Unroll, bytes: &[u8], count: usize) -> Result<bool, Failure
     let files = &arguments.files;
     let terminal = Rc::new(Terminal::new(files.quiet, arguments.time_limit)?);
     terminal.say("reading");
-    let surfaces = arguments.surfaces.then_some(arguments.tolerance.mm);
-    let groups = groups(read(arguments, bytes)?, count, surfaces);
+    let groups = groups(read(arguments, bytes)?, count, arguments.tolerance.mm, arguments.surfaces);
     folder(&files.out)?;
     let whole = groups.len();
     let digits = whole.to_string().len().max(LEAST_DIGITS);

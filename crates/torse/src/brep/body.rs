@@ -4,7 +4,9 @@ use super::boundary_stretch::{boundary_stretches, BoundaryStretch};
 use super::recognised_surface::{outward, recognise, RecognisedSurface};
 use crate::brep::face::Face;
 use crate::geom::{BBox, Vec3};
+use crate::num::parallel;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A stretch of a face with its place in the body.
 #[derive(Clone, Debug)]
@@ -30,7 +32,7 @@ pub struct Body<'a> {
     pub faces: Vec<&'a Face>,
     /// Their surfaces.
     pub recognised: Vec<RecognisedSurface>,
-    /// All stretches.
+    /// All stretches, those of the first face first.
     pub halves: Vec<Half>,
     /// Diagonal, mm.
     pub size: f64,
@@ -60,15 +62,15 @@ impl<'a> Body<'a> {
 
     /// The same, where ends of edges without common number are one point within a share of the body.
     pub fn joined(faces: Vec<&'a Face>, same_place: f64) -> Self {
-        let recognised = faces.iter().map(|f| recognise(f)).collect();
+        let recognised = parallel::map(faces.iter(), |f| recognise(f));
         let mut bounds = BBox::empty();
         for b in faces.iter().map(|f| f.surface.bbox()) {
             bounds.include(&b.min);
             bounds.include(&b.max);
         }
         let mut laps: Vec<(usize, usize, Vec<BoundaryStretch>)> = Vec::new();
-        for (k, f) in faces.iter().enumerate() {
-            laps.extend(boundary_stretches(f).into_iter().enumerate().map(|(l, r)| (k, l, r)));
+        for (k, all) in parallel::map(faces.iter(), |f| boundary_stretches(f)).into_iter().enumerate() {
+            laps.extend(all.into_iter().enumerate().map(|(l, r)| (k, l, r)));
         }
         let size = bounds.diagonal();
         let laps = split_alike(&faces, laps, SAME_EDGE * size);
@@ -92,8 +94,8 @@ impl<'a> Body<'a> {
     }
 
     /// Stretches of a face.
-    pub fn of_face(&self, face: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.halves.len()).filter(move |h| self.halves[*h].face == face)
+    pub fn of_face(&self, face: usize) -> Range<usize> {
+        self.halves.partition_point(|h| h.face < face)..self.halves.partition_point(|h| h.face <= face)
     }
 
     /// How the faces on both sides of a stretch meet, half way along it.
@@ -131,15 +133,27 @@ impl<'a> Body<'a> {
 
     /// Stretches that have no neighbour by number: sheets whose faces are not sewn.
     fn pair_by_place(&mut self, tolerance: f64) {
-        let mut open: Vec<(f64, usize)> =
-            (0..self.halves.len()).filter(|k| self.halves[*k].twin.is_none()).map(|k| (self.middle(k).x, k)).collect();
-        open.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let open: Vec<usize> = (0..self.halves.len()).filter(|k| self.halves[*k].twin.is_none()).collect();
+        let open = self.in_order(open);
         for i in 0..open.len() {
-            let near: Vec<usize> = open[i..].iter().take_while(|o| o.0 <= open[i].0 + tolerance).map(|o| o.1).collect();
             if self.halves[open[i].1].twin.is_none() {
-                self.pair_one(near[0], &near[1..], tolerance);
+                let near: Vec<usize> = within(&open[i + 1..], open[i].0 + tolerance).map(|o| o.1).collect();
+                self.pair_one(open[i].1, &near, tolerance);
             }
         }
+    }
+
+    /// Stretches by where the middle between their ends is along a direction that edges of buildings and sheets are not square to:
+    /// where both ends are the same within a tolerance, so is that.
+    fn in_order(&self, stretches: Vec<usize>) -> Vec<(f64, usize)> {
+        let oblique = Vec3::new(0.62, 0.29, 0.47);
+        let place = |k: usize| {
+            let [a, b] = self.ends(k);
+            (0.5 * oblique.dot(&(a + b)), k)
+        };
+        let mut all: Vec<(f64, usize)> = stretches.into_iter().map(place).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all
     }
 
     fn pair(&mut self, group: &[usize], tolerance: f64) {
@@ -194,22 +208,27 @@ impl<'a> Body<'a> {
     }
 }
 
+/// Those at the front that are not beyond `last`.
+fn within(ordered: &[(f64, usize)], last: f64) -> impl Iterator<Item = &(f64, usize)> {
+    ordered.iter().take_while(move |o| o.0 <= last)
+}
+
 /// The faces of a sheet with their outsides on one side, where the file turns some of them round; `None` if all agree
 /// already, or no agreement is possible (one-sided surfaces keep what they have).
 pub(crate) fn oriented(body: &Body) -> Option<Vec<Face>> {
-    let open: Vec<usize> = (0..body.halves.len()).filter(|h| body.halves[*h].twin.is_none()).collect();
+    let open = body.in_order((0..body.halves.len()).filter(|h| body.halves[*h].twin.is_none()).collect());
     let tolerance = SAME_PLACE * body.size;
     // Neighbours whose common edge runs the same way in both.
     let mut against: Vec<(usize, usize)> = Vec::new();
-    for (i, &h) in open.iter().enumerate() {
+    for (i, &(at, h)) in open.iter().enumerate() {
         let ([a, b], middle) = (body.ends(h), body.middle(h));
-        let alike = open[i + 1..].iter().find(|&&g| {
+        let alike = within(&open[i + 1..], at + tolerance).map(|o| o.1).find(|&g| {
             let [p, q] = body.ends(g);
             let near = (a - p).norm().max((b - q).norm()) <= tolerance;
             let beside = || body.halves[g].stretch.nearest(body.faces[body.halves[g].face], &middle).1 <= tolerance;
             near && beside() && body.runs_same_way(h, g, tolerance) != Some(false)
         });
-        against.extend(alike.map(|g| (body.halves[h].face, body.halves[*g].face)));
+        against.extend(alike.map(|g| (body.halves[h].face, body.halves[g].face)));
     }
     if against.is_empty() {
         return None;

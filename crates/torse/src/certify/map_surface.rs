@@ -130,7 +130,8 @@ const POINT: f64 = 1e-9;
 /// Halvings of a piece of an edge until its bound is fine enough, at most.
 const HALVINGS: u32 = 8;
 
-/// Bound of the distance (mm) of a part of an edge (homogeneous) from the surface of a map; `aim` (mm) is fine enough.
+/// Bound of the distance (mm) of a part of an edge (homogeneous) from the surface of a map; `aim` (mm) above the distance, or
+/// above none, is fine enough.
 pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap, aim: f64) -> UpperBound {
     let (a, b) = (part[0].min(part[1]), part[0].max(part[1]));
     let (lo, hi) = edge.domain();
@@ -143,24 +144,47 @@ pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap,
     let place = |h: &[f64; 4]| Vec3::new(h[0], h[1], h[2]) / h[3];
     let points: Vec<Vec3> = pieces.iter().flat_map(|p| p.control()).map(place).collect();
     let size = BBox::of(&points).diagonal();
-    let worst =
-        pieces.iter().map(|p| of_edge(p, size, map, aim, HALVINGS)).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d)));
+    // What is seen in the middle of pieces is no bound, but none lies below it.
+    let mut seen = 0.0;
+    let mut of = |p: &Bezier<4>| of_edge(p, size, map, (aim, &mut seen), HALVINGS);
+    let worst = pieces.iter().map(&mut of).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d)));
     shown(worst, size)
 }
 
 /// Distance of a piece of an edge, halved while that is worth it.
-fn of_edge(piece: &Bezier<4>, size: f64, map: &ClosedMap, aim: f64, halvings: u32) -> Option<f64> {
+fn of_edge(
+    piece: &Bezier<4>,
+    size: f64,
+    map: &ClosedMap,
+    (aim, seen): (f64, &mut f64),
+    halvings: u32,
+) -> Option<f64> {
     let control = piece.control();
     let net = Net::of(control, (control.len() - 1, 0), map.frame());
     let whole = net.and_then(|net| net.distance(size, map));
-    if whole.is_some_and(|d| d <= aim) || halvings == 0 {
+    if whole.is_none_or(|d| d > *seen + aim) {
+        *seen = seen.max(away(map, &piece.point(0.5)));
+    }
+    if whole.is_some_and(|d| d <= *seen + aim) || halvings == 0 {
         return whole;
     }
-    let halves = [(0.0, 0.5), (0.5, 1.0)].map(|(a, b)| of_edge(&piece.restricted(a, b), size, map, aim, halvings - 1));
+    let (first, second) = piece.split(0.5);
+    let halves = [first, second].map(|half| of_edge(&half, size, map, (aim, &mut *seen), halvings - 1));
     match (halves, whole) {
         ([Some(p), Some(q)], Some(d)) => Some(p.max(q).min(d)),
         ([Some(p), Some(q)], None) => Some(p.max(q)),
         (_, whole) => whole,
+    }
+}
+
+/// Distance of a point (homogeneous) from the surface of a map, in plain arithmetic.
+fn away(map: &ClosedMap, p: &[f64; 4]) -> f64 {
+    let frame = map.frame();
+    let q = frame.vector_to_local(&(Vec3::new(p[0], p[1], p[2]) / p[3] - frame.origin));
+    match map {
+        ClosedMap::Plane(_) => q.z.abs(),
+        ClosedMap::Cylinder { radius, .. } => (q.xy().norm() - radius).abs(),
+        ClosedMap::Cone { half_angle, .. } => (q.xy().norm() * half_angle.cos() - q.z * half_angle.sin()).abs(),
     }
 }
 

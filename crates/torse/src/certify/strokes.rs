@@ -9,19 +9,19 @@
 //!
 //! Knows edges, maps and strokes; how they were found is not looked at.
 
+mod coefficients;
 mod guide;
 mod motion;
 mod sector;
 
 use crate::geom::{Frame, Vec2, Vec3};
-use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::num::parallel;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use guide::{arc_tangent, widened, Guide};
-use motion::{hull, local, placed, turns};
+use motion::{hull, placed, turns};
 use std::f64::consts::TAU;
 
 /// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
@@ -58,12 +58,14 @@ fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
     let Some(guide) = Guide::new(s) else { return f64::INFINITY };
     let mut bound = 0.0_f64;
     for image in images {
+        let Some(guide) = guide.before_motion(image) else { return f64::INFINITY };
         for [a, b] in smooth_parts(image) {
-            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX])));
+            // A part that is nearer than others were needs no better bound.
+            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX]), bound));
         }
     }
     // Ends of images that follow each other, and both ends of the stroke.
-    let end = |i: &EdgeImage, k: usize| point(i, i.part[k]).map(|p| (p[0], p[1]));
+    let end = |i: &EdgeImage, k: usize| point(i, i.part[k]).map(|p| placed(i, p)).map(|p| (p[0], p[1]));
     let near = |p: Option<(Interval, Interval)>, q: Option<(Interval, Interval)>| match (p, q) {
         (Some(p), Some(q)) => ((p.0 - q.0).sqr() + (p.1 - q.1).sqr()).sqrt().hi,
         _ => f64::INFINITY,
@@ -78,8 +80,14 @@ fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
     }
 }
 
-/// Distance from the stroke over a part of an edge, halved where that helps.
-fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depths): (f64, [usize; 2])) -> f64 {
+/// Distance from the stroke over a part of an edge, halved where that helps: not where it is at most `elsewhere` (mm).
+fn part(
+    guide: &Guide,
+    image: &EdgeImage,
+    [a, b]: [f64; 2],
+    (tolerance, depths): (f64, [usize; 2]),
+    elsewhere: f64,
+) -> f64 {
     let seen = || {
         let p = point(image, 0.5 * (a + b))?;
         let m = guide.measure(p, [Interval::ZERO; 2])?;
@@ -97,12 +105,13 @@ fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depths):
         None => (depth, [depth.saturating_sub(1), at_apex]),
     };
     let enough = if apex.is_some() { NOTHING } else { ENOUGH } * tolerance;
-    if bound <= enough || left == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
+    if bound <= enough.max(elsewhere) || left == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
         return bound;
     }
     let m = 0.5 * (a + b);
     let next = (tolerance, next);
-    part(guide, image, [a, m], next).max(part(guide, image, [m, b], next))
+    let first = part(guide, image, [a, m], next, elsewhere);
+    first.max(part(guide, image, [m, b], next, elsewhere.max(first)))
 }
 
 /// Distance from the stroke over a part of an edge, by values in the middle and derivatives over the part.
@@ -116,7 +125,8 @@ fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], net: &[[Interval; 4]
     let place = [middle[0] + slope[0] * reach, middle[1] + slope[1] * reach];
     let [_, d_off, _, d_ahead] = guide.measure(place, slope)?;
     let [off, _, ahead, _] = guide.measure(middle, [Interval::ZERO; 2])?;
-    let off = flat_off(guide, image, net).unwrap_or(off + d_off * reach);
+    let by_slope = off + d_off * reach;
+    let off = coefficients::off(guide, &image.map, net).and_then(|off| off.intersect(by_slope)).unwrap_or(by_slope);
     let ahead = match d_ahead.lo > 0.0 || d_ahead.hi < 0.0 {
         // Progress that does not turn round is greatest at the ends.
         true => {
@@ -125,30 +135,27 @@ fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], net: &[[Interval; 4]
         }
         false => ahead + d_ahead * reach,
     };
-    let beyond = (ahead.mag() - guide.half().lo).max(0.0);
-    let beyond = Interval::new(0.0, beyond);
-    Some((off.sqr() + beyond.sqr()).sqrt().hi)
+    Some(guide.distance(off, ahead))
 }
 
-/// The image of a point of an edge.
+/// The image of a point of an edge under the map alone.
 fn point(image: &EdgeImage, t: f64) -> Option<[Interval; 2]> {
-    let h = from_origin(image.curve.bounds(t, t), image.map.frame());
-    let v = [h[0] / h[3], h[1] / h[3], h[2] / h[3]];
-    mapped(image, v, [Interval::ZERO; 3], t).map(|m| m.0).or_else(|| sector::about_apex(image, &[h]))
+    let h = in_frame(image.curve.bounds(t, t), image.map.frame());
+    let q = [h[0] / h[3], h[1] / h[3], h[2] / h[3]];
+    mapped(image, q, [Interval::ZERO; 3], t).map(|m| m.0).or_else(|| sector::about_apex(image, &[h]))
 }
 
-/// Homogeneous coordinates from the origin of a frame: where radii are small against coordinates, quotients of the
-/// coordinates themselves would lose them.
-fn from_origin(h: [Interval; 4], frame: &Frame) -> [Interval; 4] {
+/// Homogeneous coordinates in a frame: where radii are small against coordinates, quotients of the coordinates themselves
+/// would lose them.
+fn in_frame(h: [Interval; 4], frame: &Frame) -> [Interval; 4] {
     let o = &frame.origin;
-    [h[0] - h[3] * o.x, h[1] - h[3] * o.y, h[2] - h[3] * o.z, h[3]]
+    let v = [h[0] - h[3] * o.x, h[1] - h[3] * o.y, h[2] - h[3] * o.z];
+    let along = |a: &Vec3| v[0] * a.x + v[1] * a.y + v[2] * a.z;
+    [along(&frame.x), along(&frame.y), along(&frame.z), h[3]]
 }
 
-/// Place and derivative under the map and the motion of a box of ways from the frame's origin, around the point at `t`,
-/// which tells turns apart.
-fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Option<([Interval; 2], [Interval; 2])> {
-    let frame = image.map.frame();
-    let (q, dq) = (local(frame, v), local(frame, dv));
+/// Place and derivative under the map of a box in its frame, around the point at `t`, which tells turns apart.
+fn mapped(image: &EdgeImage, q: [Interval; 3], dq: [Interval; 3], t: f64) -> Option<([Interval; 2], [Interval; 2])> {
     let angle = || -> Option<(Interval, Interval)> {
         let away = q[0].sqr() + q[1].sqr();
         if away.lo <= 0.0 {
@@ -158,11 +165,11 @@ fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Opt
         let angle = arc_tangent(q[1], q[0])?;
         Some((angle + Interval::point(turns(image, angle.mid(), t)) * widened(TAU), slope))
     };
-    let (p, d) = match &image.map {
-        ClosedMap::Plane(_) => ([q[0], q[1]], [dq[0], dq[1]]),
+    match &image.map {
+        ClosedMap::Plane(_) => Some(([q[0], q[1]], [dq[0], dq[1]])),
         ClosedMap::Cylinder { reach, .. } => {
             let (a, da) = angle()?;
-            ([a * *reach, q[2]], [da * *reach, dq[2]])
+            Some(([a * *reach, q[2]], [da * *reach, dq[2]]))
         }
         ClosedMap::Cone { half_angle, behind, turn, .. } => {
             let (a, da) = angle()?;
@@ -173,12 +180,9 @@ fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Opt
             let d_slant = dq[2] * cos + out * sin;
             let (f, df) = (a * *turn, da * *turn);
             let (s, c) = (widened(f.mid().sin()).widen(f.rad()), widened(f.mid().cos()).widen(f.rad()));
-            ([slant * c, slant * s], [d_slant * c - slant * df * s, d_slant * s + slant * df * c])
+            Some(([slant * c, slant * s], [d_slant * c - slant * df * s, d_slant * s + slant * df * c]))
         }
-    };
-    let [c, s] = image.turn.map(Interval::point);
-    let turned = |v: [Interval; 2]| [c * v[0] - s * v[1], s * v[0] + c * v[1]];
-    Some((placed(image, p), turned(d)))
+    }
 }
 
 /// Parts of an edge between its knots, in the direction drawn.
@@ -191,12 +195,12 @@ fn smooth_parts(image: &EdgeImage) -> Vec<[f64; 2]> {
     at.windows(2).map(|w| [w[0], w[1]]).collect()
 }
 
-/// Bézier points, homogeneous from a frame's origin, of a curve between two parameters of one span.
+/// Bézier points, homogeneous in a frame, of a curve between two parameters of one span.
 fn net(c: &Curve<4>, frame: &Frame, [a, b]: [f64; 2]) -> Vec<[Interval; 4]> {
     let p = c.knots.degree();
     let span = c.knots.span(0.5 * (a + b));
     let coefficient = |k: usize| {
-        let net = c.control[span - p..=span].iter().map(|q| from_origin(q.map(Interval::point), frame));
+        let net = c.control[span - p..=span].iter().map(|q| in_frame(q.map(Interval::point), frame));
         let mut net: Vec<[Interval; 4]> = net.collect();
         let args: Vec<Interval> = (0..p).map(|i| Interval::point(if i < p - k { a } else { b })).collect();
         of_piece(&c.knots, span, &mut net, &args)
@@ -204,55 +208,23 @@ fn net(c: &Curve<4>, frame: &Frame, [a, b]: [f64; 2]) -> Vec<[Interval; 4]> {
     (0..=p).map(coefficient).collect()
 }
 
-/// Distance from a line or circle of the image of Bézier points under the map of a plane: a polynomial of the curve's degree,
-/// or of twice that, over the weight, bounded by its coefficients. `None` for other maps.
-fn flat_off(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]]) -> Option<Interval> {
-    let ClosedMap::Plane(frame) = &image.map else { return None };
-    let [c, s] = image.turn.map(Interval::point);
-    let from = guide.circle.map_or(guide.start, |(centre, ..)| centre);
-    let shift = [image.shift.x, image.shift.y].map(Interval::point);
-    // From the start of the line or the centre of the circle, times the weight.
-    let flat: Vec<[Interval; 3]> = (net.iter())
-        .map(|h| {
-            let q = local(frame, [h[0], h[1], h[2]]);
-            let turned = [c * q[0] - s * q[1], s * q[0] + c * q[1]];
-            [turned[0] + (shift[0] - from[0]) * h[3], turned[1] + (shift[1] - from[1]) * h[3], h[3]]
-        })
-        .collect();
-    let weight = hull(flat.iter().map(|p| p[2]));
-    if weight.lo <= 0.0 {
-        return None;
-    }
-    let Some((_, radius, ..)) = guide.circle else {
-        let away = hull(flat.iter().map(|p| guide.way[0] * p[1] - guide.way[1] * p[0]));
-        return Some(away / weight);
-    };
-    // |v|² − r² = (|v| − r)(|v| + r).
-    let p = flat.len() - 1;
-    let form = |a: &[Interval; 3], b: &[Interval; 3]| a[0] * b[0] + a[1] * b[1] - radius.sqr() * a[2] * b[2];
-    let coefficient = |k: usize| {
-        let share =
-            |i: usize| Interval::point(binomial(p, i) * binomial(p, k - i)) / Interval::point(binomial(2 * p, k));
-        let terms = (k.saturating_sub(p)..=k.min(p)).map(|i| share(i) * form(&flat[i], &flat[k - i]));
-        terms.fold(Interval::ZERO, |sum, x| sum + x)
-    };
-    let most = hull((0..=2 * p).map(coefficient)).mag();
-    let least = root_between(Interval::point(weight.lo) * radius.lo, most);
-    (radius.lo > 0.0).then(|| Interval::new(-most, most) / (Interval::point(weight.lo) * least))
-}
-
-/// Boxes around ways from a frame's origin to a curve of these Bézier points, and around its derivative by a parameter that
-/// runs over `width`.
+/// Boxes around a curve of these Bézier points (homogeneous) and around its derivative by a parameter that runs over `width`.
 fn enclosed(points: &[[Interval; 4]], width: Interval) -> Option<([Interval; 3], [Interval; 3])> {
     let p = points.len() - 1;
     let factor = Interval::point(p as f64) / width;
-    let h: [Interval; 4] = std::array::from_fn(|d| hull(points.iter().map(|q| q[d])));
-    let dh: [Interval; 4] = std::array::from_fn(|d| hull(points.windows(2).map(|w| (w[1][d] - w[0][d]) * factor)));
-    if h[3].lo <= 0.0 {
+    let weight = hull(points.iter().map(|q| q[3]));
+    if weight.lo <= 0.0 {
         return None;
     }
-    let x: [Interval; 3] = std::array::from_fn(|d| h[d] / h[3]);
-    Some((x, std::array::from_fn(|d| (dh[d] - x[d] * dh[3]) / h[3])))
+    // From a point among them, so that quotients by weights lose nothing of coordinates in which the curve hardly moves.
+    let heavy: f64 = points.iter().map(|q| q[3].mid()).sum();
+    let from: [f64; 3] = std::array::from_fn(|d| points.iter().map(|q| q[d].mid()).sum::<f64>() / heavy);
+    let ways = || points.iter().map(|q| std::array::from_fn::<_, 3, _>(|d| q[d] - q[3] * from[d]));
+    let d_weight = hull(points.windows(2).map(|w| (w[1][3] - w[0][3]) * factor));
+    let steps = || ways().zip(ways().skip(1)).map(|(a, b)| std::array::from_fn::<_, 3, _>(|d| (b[d] - a[d]) * factor));
+    let x: [Interval; 3] = std::array::from_fn(|d| hull(ways().map(|w| w[d])) / weight);
+    let dx = std::array::from_fn(|d| (hull(steps().map(|s| s[d])) - x[d] * d_weight) / weight);
+    Some((std::array::from_fn(|d| x[d] + Interval::point(from[d])), dx))
 }
 
 /// The least of |a| + |b| where a is at least `least`, and b² off a² by `off` at most: a difference of squares over it is

@@ -1,11 +1,14 @@
 //! Line or circle of a stroke, enclosed: docs/algorithms/unroll.md.
 
+use super::motion::{before, scale};
 use crate::geom::Vec2;
 use crate::num::interval::Interval;
-use crate::patchwork::image::Stroke;
+use crate::patchwork::image::{EdgeImage, Stroke};
 
 /// Line or circle of a stroke, enclosed.
 pub(super) struct Guide {
+    /// What a length in its plane is in the drawing.
+    scale: Interval,
     pub(super) start: [Interval; 2],
     /// Unit direction of a line; of an arc, that from the centre to its middle.
     pub(super) way: [Interval; 2],
@@ -25,7 +28,7 @@ impl Guide {
         }
         if s.bulge == 0.0 {
             let way = [chord[0] / length, chord[1] / length];
-            return Some(Self { start: a, way, length, circle: None });
+            return Some(Self { scale: Interval::ONE, start: a, way, length, circle: None });
         }
         let bulge = Interval::point(s.bulge);
         let quarter = (Interval::ONE / bulge - bulge) * 0.25;
@@ -36,7 +39,29 @@ impl Guide {
         // The middle of a counter-clockwise arc lies to the right of its chord.
         let way = [chord[1] / length * sign, -(chord[0] / length) * sign];
         let half_sweep = widened(2.0 * s.bulge.abs().atan());
-        Some(Self { start: a, way, length, circle: Some((centre, radius, half_sweep, sign)) })
+        Some(Self { scale: Interval::ONE, start: a, way, length, circle: Some((centre, radius, half_sweep, sign)) })
+    }
+
+    /// The same in the plane of an image before its motion, in which boxes around it are narrower; `None` where the motion is
+    /// none.
+    pub(super) fn before_motion(&self, image: &EdgeImage) -> Option<Self> {
+        let scale = scale(image)?;
+        let shift = [image.shift.x, image.shift.y].map(Interval::point);
+        let place = |p: [Interval; 2]| before(image, [p[0] - shift[0], p[1] - shift[1]]);
+        let circle = |(centre, radius, half_sweep, sign)| (place(centre), radius / scale, half_sweep, sign);
+        Some(Self {
+            scale,
+            start: place(self.start),
+            way: before(image, self.way).map(|w| w * scale),
+            length: self.length / scale,
+            circle: self.circle.map(circle),
+        })
+    }
+
+    /// Distance (mm, in the drawing) from the stroke of a place that is `off` it and `ahead` of its middle.
+    pub(super) fn distance(&self, off: Interval, ahead: Interval) -> f64 {
+        let beyond = (Interval::point(ahead.mag()) - self.half()).hi.max(0.0);
+        ((off.sqr() + Interval::point(beyond).sqr()).sqrt() * self.scale).hi
     }
 
     /// Distance from the line or circle (signed), and way beyond its ends, of a place; both with their derivative where

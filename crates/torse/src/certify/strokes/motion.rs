@@ -1,6 +1,5 @@
 //! Images of edges in the plane of their map and after its motion, enclosed: docs/algorithms/unroll.md.
 
-use crate::geom::{Frame, Vec3};
 use crate::num::interval::Interval;
 use crate::patchwork::image::EdgeImage;
 use std::f64::consts::TAU;
@@ -18,9 +17,18 @@ pub(super) fn placed(image: &EdgeImage, p: [Interval; 2]) -> [Interval; 2] {
     [c * p[0] - s * p[1] + Interval::point(image.shift.x), s * p[0] + c * p[1] + Interval::point(image.shift.y)]
 }
 
-pub(super) fn local(f: &Frame, v: [Interval; 3]) -> [Interval; 3] {
-    let dot = |a: &Vec3| v[0] * a.x + v[1] * a.y + v[2] * a.z;
-    [dot(&f.x), dot(&f.y), dot(&f.z)]
+/// What a motion makes of all lengths, all but 1; `None` where it is none.
+pub(super) fn scale(image: &EdgeImage) -> Option<Interval> {
+    let [c, s] = image.turn.map(Interval::point);
+    let scale = (c.sqr() + s.sqr()).sqrt();
+    (scale.lo > 0.0).then_some(scale)
+}
+
+/// A way in the plane before the motion of an image, of which it makes the way `v`.
+pub(super) fn before(image: &EdgeImage, v: [Interval; 2]) -> [Interval; 2] {
+    let [c, s] = image.turn.map(Interval::point);
+    let square = c.sqr() + s.sqr();
+    [(c * v[0] + s * v[1]) / square, (c * v[1] - s * v[0]) / square]
 }
 
 pub(super) fn hull(all: impl Iterator<Item = Interval>) -> Interval {

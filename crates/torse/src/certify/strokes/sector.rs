@@ -8,7 +8,7 @@
 //! from that of the apex than its point is from the apex.
 
 use super::guide::{widened, Guide};
-use super::motion::{hull, local, placed, turns};
+use super::motion::{hull, turns};
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, EdgeImage};
 
@@ -24,26 +24,19 @@ pub(super) struct Apex {
     pub is_inside: bool,
 }
 
-/// Distance from a line of the image of Bézier points (homogeneous, from the frame's origin) about the point at `t`, by the
+/// Distance from a line of the image of Bézier points (homogeneous, in the frame) about the point at `t`, by the
 /// sector in which it lies; `None` for arcs and other maps than a cone's.
 pub(super) fn ruling(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]], t: f64) -> Option<f64> {
-    let ClosedMap::Cone { frame, half_angle, behind, turn } = &image.map else { return None };
+    let ClosedMap::Cone { half_angle, behind, turn, .. } = &image.map else { return None };
     if guide.circle.is_some() {
         return None;
     }
-    let points: Vec<[Interval; 4]> = net
-        .iter()
-        .map(|h| {
-            let q = local(frame, [h[0], h[1], h[2]]);
-            [q[0], q[1], q[2], h[3]]
-        })
-        .collect();
-    let middle: [f64; 2] = [0, 1].map(|d| points.iter().map(|q| q[d].mid()).sum());
+    let middle: [f64; 2] = [0, 1].map(|d| net.iter().map(|q| q[d].mid()).sum());
     let near = middle[1].atan2(middle[0]);
     let (c, s) = (widened(near.cos()), widened(near.sin()));
     let (sin, cos) = (widened(half_angle.sin()), widened(half_angle.cos()));
     let (mut beta, mut out, mut inner) = (0.0_f64, f64::NEG_INFINITY, f64::INFINITY);
-    for [x, y, z, w] in points {
+    for &[x, y, z, w] in net {
         let ahead = x * c + y * s;
         if ahead.lo <= 0.0 || w.lo <= 0.0 {
             return None;
@@ -62,8 +55,8 @@ pub(super) fn ruling(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]], t:
     let corner = |r: Interval, side: f64| -> Option<f64> {
         let f = Interval::point(angle.mid()) + Interval::point(side * beta);
         let way = [widened(f.mid().cos()).widen(f.rad()), widened(f.mid().sin()).widen(f.rad())];
-        let [off, _, ahead, _] = guide.measure(placed(image, way.map(|w| w * r)), [Interval::ZERO; 2])?;
-        Some(distance(guide, off, ahead))
+        let [off, _, ahead, _] = guide.measure(way.map(|w| w * r), [Interval::ZERO; 2])?;
+        Some(guide.distance(off, ahead))
     };
     let (outer, inner) = (Interval::point(out) / narrow, Interval::point(inner));
     let corners = [(outer, 1.0), (outer, -1.0), (inner, 1.0), (inner, -1.0)];
@@ -74,31 +67,24 @@ pub(super) fn ruling(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]], t:
 /// cone's.
 pub(super) fn apex(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]]) -> Option<Apex> {
     let ways = ways(image, net)?;
-    let [off, _, ahead, _] = guide.measure(placed(image, [Interval::ZERO; 2]), [Interval::ZERO; 2])?;
+    let [off, _, ahead, _] = guide.measure([Interval::ZERO; 2], [Interval::ZERO; 2])?;
     let far = ways.iter().map(|w| w.hi).fold(0.0, f64::max);
     let near = ways.iter().map(|w| w.lo).fold(f64::INFINITY, f64::min);
-    let bound = (Interval::point(distance(guide, off, ahead)) + Interval::point(far)).hi;
+    let bound = (Interval::point(guide.distance(off, ahead)) + Interval::point(far)).hi;
     Some(Apex { bound, is_inside: near <= INSIDE * far })
 }
 
-/// A box around the image of Bézier points by how far they are from the apex; `None` for other maps than a cone's.
+/// A box around the image of Bézier points under the map alone by how far they are from the apex; `None` for other maps than a cone's.
 pub(super) fn about_apex(image: &EdgeImage, net: &[[Interval; 4]]) -> Option<[Interval; 2]> {
     let far = hull(ways(image, net)?.into_iter()).hi;
-    Some(placed(image, [Interval::ZERO; 2]).map(|x| x + Interval::symmetric(far)))
+    Some([Interval::symmetric(far); 2])
 }
 
 /// Distances of Bézier points from the apex, and by how much the flat apex lies behind it.
 fn ways(image: &EdgeImage, net: &[[Interval; 4]]) -> Option<Vec<Interval>> {
-    let ClosedMap::Cone { frame, behind, .. } = &image.map else { return None };
+    let ClosedMap::Cone { behind, .. } = &image.map else { return None };
     let way = |h: &[Interval; 4]| {
-        let q = local(frame, [h[0], h[1], h[2]]);
-        (h[3].lo > 0.0).then(|| (q[0].sqr() + q[1].sqr() + q[2].sqr()).sqrt() / h[3] + Interval::point(behind.abs()))
+        (h[3].lo > 0.0).then(|| (h[0].sqr() + h[1].sqr() + h[2].sqr()).sqrt() / h[3] + Interval::point(behind.abs()))
     };
     net.iter().map(way).collect()
-}
-
-/// Distance from a stroke of a place that is `off` it and `ahead` of its middle (mm).
-fn distance(guide: &Guide, off: Interval, ahead: Interval) -> f64 {
-    let beyond = (Interval::point(ahead.mag()) - guide.half()).hi.max(0.0);
-    (off.sqr() + Interval::point(beyond).sqr()).sqrt().hi
 }

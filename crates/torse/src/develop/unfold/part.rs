@@ -15,6 +15,7 @@ use crate::develop::arcs::rectangle_around;
 use crate::develop::bends::BendSpacing;
 use crate::develop::shop::thickness::Sheet as GivenSheet;
 use crate::geom::segment::same_segment;
+use crate::num::parallel;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Pattern, ViewSide};
 use crate::reason::Unlaid;
@@ -175,14 +176,14 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     let count = drawn.len();
     let slanting = found.slanting(&body);
     let shared = shared_edges(&body, &drawn.iter().map(|d| d.0).collect::<Vec<_>>(), options.tolerance);
-    for (k, (piece, outlines)) in drawn.into_iter().enumerate() {
+    out.parts = parallel::map(drawn.into_iter().enumerate(), |(k, (piece, outlines))| {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
         let mut made = part(&body, piece, outlines, (&found, &name), options);
         let touches = |f: &usize| body.of_face(*f).any(|h| body.beyond(h).is_some_and(|g| made.faces.contains(&g)));
         made.sheet.turned = made.faces.iter().map(|f| body.faces[*f].reversed != faces[*f].reversed).collect();
         made.slanting = slanting.iter().filter(|f| touches(f)).map(|f| body.faces[*f].entity).collect();
-        out.parts.push(made);
-    }
+        made
+    });
     for edge in shared {
         out.parts[edge.parts[0].min(edge.parts[1])].shared.push(edge);
     }
@@ -206,7 +207,7 @@ struct Side {
 impl Side {
     fn of(body: &Body, skin: &[usize], asked: &UnfoldOptions) -> Self {
         let (pieces, left) = unfold(body, skin, asked);
-        let outlines = pieces.iter().map(|p| outlines(body, p, asked.tolerance)).collect();
+        let outlines = parallel::map(pieces.iter(), |p| outlines(body, p, asked.tolerance));
         Self { pieces, outlines, left }
     }
 

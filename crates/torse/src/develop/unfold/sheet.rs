@@ -97,7 +97,7 @@ pub fn sheet(body: &Body) -> Result<Sheet, SheetError> {
         return Err(SheetError::Empty);
     }
     let count = body.faces.len();
-    if body.halves.iter().any(|h| h.twin.is_none() && h.length > SAME_THICKNESS * body.size) {
+    if is_open(body) {
         return Ok(open(body));
     }
     let areas: Vec<f64> = body.faces.iter().map(|f| area_estimate(f)).collect();
@@ -196,6 +196,11 @@ impl Sheet {
         };
         (0..body.faces.len()).filter(|f| is_side(*f) && slants(*f)).collect()
     }
+}
+
+/// Whether a body has edges beyond which no face of it lies, so that it is no solid.
+pub fn is_open(body: &Body) -> bool {
+    body.halves.iter().any(|h| h.twin.is_none() && h.length > SAME_THICKNESS * body.size)
 }
 
 /// All faces of an open body, as a sheet without thickness.

@@ -7,7 +7,8 @@ use super::region::{Motion, Region, POINT};
 use crate::brep::body::{Body, Meeting, SMOOTH};
 use crate::develop::shop::thickness::SheetSide;
 use crate::geom::{BBox, Vec2, Vec3};
-use std::collections::{BTreeMap, HashSet};
+use crate::num::parallel;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Over which edges faces are laid beside each other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -160,6 +161,10 @@ const PLACES: usize = 7;
 struct Ready {
     chart: Chart,
     region: Region,
+    /// Of the region, mm².
+    area: f64,
+    /// Of its border, in space.
+    middle: Vec3,
     k: f64,
     radius: f64,
     inside_radius: f64,
@@ -178,8 +183,8 @@ pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (V
     }
     let mut ready: BTreeMap<usize, Ready> = BTreeMap::new();
     let mut left = Vec::new();
-    for &f in skin {
-        match prepared(body, f, options) {
+    for (&f, found) in skin.iter().zip(parallel::map(skin.iter(), |f| prepared(body, *f, options))) {
+        match found {
             Some(r) => _ = ready.insert(f, r),
             None => left.push(f),
         }
@@ -187,7 +192,7 @@ pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (V
     let mut pieces = Vec::new();
     let mut cuts: Vec<Cut> = Vec::new();
     let areas = |ready: &BTreeMap<usize, Ready>| {
-        let each = ready.iter().map(|(f, r)| (r.region.area(), middle(body, *f), *f));
+        let each = ready.iter().map(|(f, r)| (r.area, r.middle, *f));
         foremost(each, None, (body.size * body.size, body.size))
     };
     while let Some(root) = areas(&ready) {
@@ -200,22 +205,24 @@ pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (V
         pieces.push(piece);
     }
     if options.joins != Joins::None {
+        let of_skin: HashSet<usize> = skin.iter().copied().collect();
         let laid = pieces.iter().flat_map(|p| &p.faces).flat_map(|p| body.of_face(p.face));
         let asked =
-            laid.filter(|h| body.beyond(*h).is_some_and(|g| skin.contains(&g)) && !options.joins.allow(body, *h));
+            laid.filter(|h| body.beyond(*h).is_some_and(|g| of_skin.contains(&g)) && !options.joins.allow(body, *h));
         cuts.extend(asked.map(|half| Cut { half, reason: CutReason::Asked }));
     }
     // Each cut is told once, with the first piece that it bounds.
+    let piece_of: HashMap<usize, usize> =
+        pieces.iter().enumerate().flat_map(|(k, p)| p.faces.iter().map(move |f| (f.face, k))).collect();
+    let of_piece = |c: Cut| piece_of.get(&body.halves[c.half].face).map(|k| (*k, c));
+    let mut cuts: Vec<(usize, Cut)> = cuts.into_iter().filter_map(of_piece).collect();
+    cuts.sort_by_key(|c| c.0);
     let mut told: HashSet<usize> = HashSet::new();
-    for piece in &mut pieces {
-        for cut in &cuts {
-            let h = &body.halves[cut.half];
-            let twin = h.twin.unwrap_or(cut.half);
-            if piece.placed(h.face).is_some() && !piece.inner.contains(&cut.half) && !told.contains(&twin) {
-                told.insert(cut.half);
-                told.insert(twin);
-                piece.cuts.push(*cut);
-            }
+    for (k, cut) in cuts {
+        let twin = body.halves[cut.half].twin.unwrap_or(cut.half);
+        if !pieces[k].inner.contains(&cut.half) && !told.contains(&twin) {
+            told.extend([cut.half, twin]);
+            pieces[k].cuts.push(cut);
         }
     }
     (pieces, left)
@@ -270,7 +277,19 @@ fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> 
     let region = Region::of(body, face, &chart);
     let k = fibre.share(radius, hollow);
     let is_given = options.side.is_some();
-    (region.area() > 0.0).then_some(Ready { chart, region, k, radius, inside_radius, thickness: t, fibre, is_given })
+    let (area, middle) = (region.area(), middle(body, face));
+    (area > 0.0).then_some(Ready {
+        chart,
+        region,
+        area,
+        middle,
+        k,
+        radius,
+        inside_radius,
+        thickness: t,
+        fibre,
+        is_given,
+    })
 }
 
 /// Rulings that are looked at for room.

@@ -4,12 +4,14 @@ use super::carried;
 use super::options::{UnrollError, UnrollOptions, UNFOLDED};
 use crate::answer::skipped::Skipped;
 use crate::brep::area::area_estimate;
+use crate::brep::body::Body;
 use crate::brep::boundary_stretch::boundary_stretches;
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::develop::bends::BendSpacing;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
+use crate::develop::unfold::sheet::is_open;
 use crate::develop::unfold::tree::Joins;
 use crate::geom::coarse::is_tolerance;
 use crate::geom::BBox;
@@ -52,7 +54,7 @@ pub(super) fn flat_parts_of(
             return Err(UnrollError::Edge(*edge));
         }
     }
-    let bodies = bodies_of(faces, options.surfaces.then_some(options.tolerance));
+    let bodies = bodies_of(faces, options.tolerance, options.surfaces);
     let asked = PartOptions {
         tolerance: options.tolerance,
         k: options.k.clone(),
@@ -106,9 +108,9 @@ pub(super) fn flat_parts_of(
 
 /// A model in groups of bodies, at most `count` of them in each, every body under the name that it has in the whole; what was
 /// not read and what was noticed goes with the first group. Unrolling one after the other needs memory for one group only.
-/// With the tolerance `surfaces` (mm), for faces without thickness, sheets that are apart count as bodies.
-pub fn groups(model: Model, count: usize, surfaces: Option<f64>) -> Vec<Model> {
-    let bodies = bodies_of(&model.faces, surfaces);
+/// Sheets farther apart than `near` (mm) count as bodies where they are open, or with `surfaces`, for faces without thickness.
+pub fn groups(model: Model, count: usize, near: f64, surfaces: bool) -> Vec<Model> {
+    let bodies = bodies_of(&model.faces, near, surfaces);
     let names = names(&model.faces, &bodies);
     let mut group: Vec<(usize, &String)> = vec![(0, &model.unit); model.faces.len()];
     for ((k, body), name) in bodies.iter().enumerate().zip(&names) {
@@ -143,21 +145,26 @@ fn like(model: &Model) -> Model {
     }
 }
 
-/// The faces of every body. With the tolerance `surfaces` (mm), a body falls into what can hang together: faces whose boxes are
-/// nearer than that.
-fn bodies_of(faces: &[Face], surfaces: Option<f64>) -> Vec<Vec<usize>> {
+/// The faces of every body. A body that is open somewhere, or any with `surfaces`, falls into what can hang together: faces
+/// whose boxes are no farther apart than `near` (mm). Shells of a solid that do not touch, as about a hollow, stay one body.
+fn bodies_of(faces: &[Face], near: f64, surfaces: bool) -> Vec<Vec<usize>> {
     let mut bodies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (k, f) in faces.iter().enumerate() {
         bodies.entry(f.body).or_default().push(k);
     }
-    match surfaces {
-        None => bodies.into_values().collect(),
-        Some(near) => bodies.into_values().flat_map(|body| sheets(faces, body, near)).collect(),
-    }
+    let fallen = |body: Vec<usize>| {
+        let sheets = sheets(faces, &body, near);
+        let open = |sheet: &Vec<usize>| is_open(&Body::new(sheet.iter().map(|k| &faces[*k]).collect()));
+        match sheets.len() > 1 && (surfaces || sheets.iter().any(open)) {
+            true => sheets,
+            false => vec![body],
+        }
+    };
+    bodies.into_values().flat_map(fallen).collect()
 }
 
 /// Faces in groups whose boxes touch, in the order of their first faces.
-fn sheets(faces: &[Face], body: Vec<usize>, near: f64) -> Vec<Vec<usize>> {
+fn sheets(faces: &[Face], body: &[usize], near: f64) -> Vec<Vec<usize>> {
     let mut boxes: Vec<(usize, BBox)> = body.iter().map(|k| faces[*k].surface.bbox()).enumerate().collect();
     boxes.sort_by(|a, b| a.1.min.x.total_cmp(&b.1.min.x));
     let mut first: Vec<usize> = (0..body.len()).collect();
@@ -169,8 +176,8 @@ fn sheets(faces: &[Face], body: Vec<usize>, near: f64) -> Vec<Vec<usize>> {
         }
     }
     let mut out: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (n, face) in body.into_iter().enumerate() {
-        out.entry(root(&mut first, n)).or_default().push(face);
+    for (n, face) in body.iter().enumerate() {
+        out.entry(root(&mut first, n)).or_default().push(*face);
     }
     out.into_values().collect()
 }

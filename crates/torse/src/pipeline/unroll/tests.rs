@@ -653,7 +653,7 @@ fn groups_of_bodies_keep_every_face_and_the_names_of_the_whole() {
         products: vec!["whole".into()],
         curves: vec![],
     };
-    let made = super::groups(model, 2, None);
+    let made = super::groups(model, 2, 0.05, false);
     let named = |k: usize| made[k].faces.iter().map(|f| (f.part.as_str(), f.body)).collect::<Vec<_>>();
     assert_eq!(made.len(), 2);
     assert_eq!(named(0), [("a 1", 1), ("b", 2), ("a 1", 1)]);
@@ -662,7 +662,7 @@ fn groups_of_bodies_keep_every_face_and_the_names_of_the_whole() {
 }
 
 #[test]
-fn sheets_of_one_body_that_are_apart_are_bodies_where_faces_have_no_thickness() {
+fn sheets_of_one_body_that_are_apart_are_bodies_where_faces_have_no_thickness_and_where_they_are_open() {
     let face = |x: f64, body: u32| {
         let mut face = rectangle(Vec3::new(x, 0.0, 0.0), 10.0 * Vec3::x(), 20.0 * Vec3::y());
         (face.part, face.body) = ("a".into(), body);
@@ -670,14 +670,26 @@ fn sheets_of_one_body_that_are_apart_are_bodies_where_faces_have_no_thickness() 
     };
     // Two that meet and one that is apart, out of order; and another body.
     let faces = vec![face(40.0, 1), face(0.0, 1), face(10.0, 1), face(90.0, 2)];
-    let split = |surfaces| -> Vec<Vec<String>> {
-        let made = super::groups(model_of(faces.clone()), 1, surfaces);
+    let split = |faces: &[Face], surfaces| -> Vec<Vec<String>> {
+        let made = super::groups(model_of(faces.to_vec()), 1, 0.05, surfaces);
         made.iter().map(|m| m.faces.iter().map(|f| f.part.clone()).collect()).collect()
     };
-    assert_eq!(split(None), [vec!["a 1"; 3], vec!["a 2"]]);
-    assert_eq!(split(Some(0.05)), [vec!["a 1-1"], vec!["a 1-2"; 2], vec!["a 2"]]);
+    for surfaces in [false, true] {
+        assert_eq!(split(&faces, surfaces), [vec!["a 1-1"], vec!["a 1-2"; 2], vec!["a 2"]]);
+    }
+    // A solid with a hollow is one body, though its shells are apart.
+    let shell = |at: f64, size: f64| {
+        let corner = Vec3::repeat(at);
+        let [x, y, z] = [Vec3::x(), Vec3::y(), Vec3::z()].map(|a| size * a);
+        let sides = [(corner, x, y), (corner, y, z), (corner, z, x)];
+        let opposite = [(corner + z, y, x), (corner + x, z, y), (corner + y, x, z)];
+        sides.into_iter().chain(opposite).map(|(o, a, b)| rectangle(o, a, b)).collect::<Vec<Face>>()
+    };
+    let hollow = [shell(0.0, 50.0), shell(20.0, 10.0)].concat();
+    assert_eq!(split(&hollow, false).iter().map(Vec::len).collect::<Vec<_>>(), [12]);
+    assert_eq!(split(&hollow, true).iter().map(Vec::len).collect::<Vec<_>>(), [6, 6]);
     // Names stay when a group is unrolled for itself.
-    let made = super::groups(model_of(faces.clone()), 2, Some(0.05));
+    let made = super::groups(model_of(faces), 2, 0.05, true);
     let options = super::UnrollOptions { surfaces: true, ..super::UnrollOptions::new(0.05) };
     let answer = super::unroll(&made[0], &options, &crate::control::Control::default()).expect("an answer");
     assert_eq!(answer.parts.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["a 1-1", "a 1-2"]);

@@ -211,7 +211,7 @@ fn curves_go_with_the_group_whose_faces_they_lie_on() {
     };
     let line = |at: f64| curve("", polyline(&[Vec3::new(at + 2.0, 2.0, 0.0), Vec3::new(at + 8.0, 8.0, 0.0)]));
     let model = Model { curves: vec![line(0.0), line(50.0)], ..model_of(vec![plate(0.0, 1), plate(50.0, 2)]) };
-    let groups = groups(model, 1, Some(TOLERANCE));
+    let groups = groups(model, 1, TOLERANCE, true);
     assert_eq!(groups.iter().map(|g| g.curves.len()).collect::<Vec<_>>(), [1, 1]);
 }
 
