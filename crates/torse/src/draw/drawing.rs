@@ -179,7 +179,7 @@ fn square_below(d: &mut Drawing, unit: LengthUnit) -> TestSquare {
     let corner = d.min - Vec2::new(0.0, side + SQUARE_GAP);
     d.min.y = corner.y;
     d.max.x = d.max.x.max(corner.x + side);
-    let mut labels = Labels::default();
+    let mut labels = Labels::new(Vec::new());
     let middle = corner + Vec2::repeat(0.5 * side);
     labels.write(words, &TextPlace { middle, along: Vec2::x(), height: SQUARE_WORDS * side });
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| corner + Vec2::new(x, y) * side);

@@ -4,7 +4,8 @@
 //! underlined: parts lie about in any direction.
 
 use super::stroke_font;
-use crate::geom::Vec2;
+use crate::geom::box_tree::BoxTree;
+use crate::geom::{BBox, Vec2, Vec3};
 
 /// Place for a text: its middle, its direction of reading (unit vector) and the height of its capitals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,11 +18,13 @@ pub(crate) struct TextPlace {
     pub height: f64,
 }
 
-/// What is taken on one part.
-#[derive(Clone, Debug, Default)]
+/// What is taken on one part, or on one drawing.
 pub(crate) struct Labels {
     lines: Vec<[Vec2; 2]>,
-    boxes: Vec<[Vec2; 4]>,
+    /// Over the lines.
+    tree: BoxTree,
+    /// What is taken besides, and the box around each.
+    boxes: Vec<([Vec2; 4], BBox)>,
     /// Strokes of all texts that were put.
     pub strokes: Vec<Vec<Vec2>>,
 }
@@ -47,12 +50,18 @@ pub(crate) fn upright(along: Vec2) -> Vec2 {
 impl Labels {
     /// Texts keep off these lines: outlines, marks.
     pub fn new(lines: Vec<[Vec2; 2]>) -> Self {
-        Self { lines, ..Self::default() }
+        let tree = BoxTree::new(lines.len(), &|k| around(&lines[k]));
+        Self { lines, tree, boxes: Vec::new(), strokes: Vec::new() }
     }
 
     /// Keeps a box, by its corners, free of all that comes later.
     pub fn take(&mut self, corners: [Vec2; 4]) {
-        self.boxes.push(corners);
+        self.boxes.push((corners, around(&corners)));
+    }
+
+    /// The same of a line.
+    pub fn take_line(&mut self, [a, b]: [Vec2; 2]) {
+        self.take([a, b, b, a]);
     }
 
     /// Puts a text at the first free place; whether there was one.
@@ -69,7 +78,7 @@ impl Labels {
             place.middle - place.along * (0.5 * stroke_font::width(text, place.height)) - up * (0.5 * place.height);
         let turned = |s: &Vec<Vec2>| s.iter().map(|p| start + place.along * p.x + up * p.y).collect();
         self.strokes.extend(letters(text, place.height).iter().map(turned));
-        self.boxes.push(corners(text, place));
+        self.take(corners(text, place));
     }
 
     /// Whether a place is free for a text.
@@ -84,14 +93,26 @@ impl Labels {
 
     /// Whether a line meets nothing.
     pub fn is_line_clear(&self, line: &[Vec2; 2]) -> bool {
-        !self.boxes.iter().any(|b| overlap(line, b)) && !self.lines.iter().any(|l| overlap(line, l))
+        self.is_free(line)
     }
 
-    fn is_free(&self, quad: &[Vec2; 4]) -> bool {
-        quad.iter().all(|p| p.x.is_finite() && p.y.is_finite())
-            && !self.boxes.iter().any(|b| overlap(quad, b))
-            && !self.lines.iter().any(|l| overlap(quad, l))
+    /// Whether a convex polygon is free.
+    fn is_free(&self, shape: &[Vec2]) -> bool {
+        let here = around(shape);
+        shape.iter().all(|p| p.x.is_finite() && p.y.is_finite())
+            && !self.boxes.iter().any(|(b, there)| here.meets(there) && overlap(shape, b))
+            && !self.tree.any_meeting(&here, &mut |k| {
+                let line = &self.lines[k];
+                here.meets(&around(line)) && overlap(shape, line)
+            })
     }
+}
+
+/// The box around points.
+fn around(points: &[Vec2]) -> BBox {
+    let mut out = BBox::empty();
+    points.iter().for_each(|p| out.include(&Vec3::new(p.x, p.y, 0.0)));
+    out
 }
 
 /// Corners of the box around a text, with some space.
@@ -168,9 +189,12 @@ mod tests {
     #[test]
     fn what_is_taken_is_taken_inside_too() {
         let ring = |half: f64| [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec2::new(x, y) * half);
-        let mut l = Labels::default();
+        let mut l = Labels::new(Vec::new());
         l.take(ring(20.0));
         assert!(!l.is_box_clear(&ring(1.0)) && !l.is_line_clear(&[Vec2::zeros(), Vec2::x()]));
+        l.take_line([Vec2::new(30.0, 0.0), Vec2::new(90.0, 60.0)]);
+        assert!(!l.is_line_clear(&[Vec2::new(60.0, 20.0), Vec2::new(60.0, 40.0)]));
+        assert!(l.is_line_clear(&[Vec2::new(60.0, 10.0), Vec2::new(80.0, 30.0)]));
     }
 
     #[test]

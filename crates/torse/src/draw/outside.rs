@@ -6,7 +6,8 @@
 use super::flat;
 use super::labels::{Labels, TextPlace};
 use super::stroke_font;
-use crate::geom::Vec2;
+use crate::geom::box_tree::BoxTree;
+use crate::geom::{BBox, Vec2, Vec3};
 
 /// A part whose name has no room on it.
 #[derive(Clone, Debug)]
@@ -41,18 +42,21 @@ pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Opt
     let extents: Vec<[Vec2; 2]> = outlines.iter().map(|o| extent(o)).collect();
     let longest = extents.iter().map(|[low, high]| (high - low).max()).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let height = (HEIGHT_SHARE * longest).clamp(HEIGHT.0, HEIGHT.1);
-    let mut drawing = NamedDrawing { outlines, extents, leaders: Vec::new(), blocks: Vec::new(), height, longest };
+    let sides = outlines.iter().flatten().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
+    let labels = Labels::new(sides.collect());
+    let raised = |p: &Vec2| Vec3::new(p.x, p.y, 0.0);
+    let parts = BoxTree::new(extents.len(), &|k| BBox { min: raised(&extents[k][0]), max: raised(&extents[k][1]) });
+    let mut drawing = NamedDrawing { outlines, labels, parts, height, longest };
     unnamed.iter().map(|u| drawing.put(u)).collect()
 }
 
 /// The drawing so far.
 struct NamedDrawing<'a> {
     outlines: &'a [Vec<Vec<Vec2>>],
-    extents: Vec<[Vec2; 2]>,
-    /// Lines to the names put so far, and the boxes of these: what later ones keep off, and out of.
-    leaders: Vec<[Vec2; 2]>,
-    /// See `leaders`.
-    blocks: Vec<[Vec2; 4]>,
+    /// What names keep off: outlines, and the names put so far with the lines to them.
+    labels: Labels,
+    /// Over the boxes of all parts.
+    parts: BoxTree,
     height: f64,
     longest: f64,
 }
@@ -71,12 +75,9 @@ impl NamedDrawing<'_> {
         let feet = feet(self.outlines.get(part)?.first()?);
         let mut away = AWAY.0 * self.height;
         while away < self.longest.max(4.0 * self.height) {
-            // What can be in the way of names so near to the part.
-            let reach = half * 2.0 + Vec2::repeat(away + self.height);
-            let near = self.near(part, reach);
-            if let Some((middle, leader)) = self.free(&feet, half, away, &near) {
-                self.leaders.push(leader);
-                self.blocks.push(corners(middle, half));
+            if let Some((middle, leader)) = self.free(&feet, half, away) {
+                self.labels.take_line(leader);
+                self.labels.take(corners(middle, half));
                 return Some(written(lines, middle, (tall, self.height), leader));
             }
             away *= AWAY.1;
@@ -84,31 +85,8 @@ impl NamedDrawing<'_> {
         None
     }
 
-    /// The lines about a part that names keep off, and the other parts there.
-    fn near(&self, part: usize, reach: Vec2) -> (Labels, Vec<usize>) {
-        let [low, high] = self.extents[part];
-        let (low, high) = (low - reach, high + reach);
-        let meets = |[a, b]: &[Vec2; 2]| {
-            a.inf(b).iter().zip(high.iter()).all(|(x, h)| x <= h)
-                && a.sup(b).iter().zip(low.iter()).all(|(x, l)| x >= l)
-        };
-        let parts: Vec<usize> = (0..self.outlines.len()).filter(|&k| meets(&self.extents[k])).collect();
-        let sides = parts.iter().flat_map(|&k| &self.outlines[k]);
-        let sides = sides.flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
-        let lines = sides.chain(self.leaders.iter().copied()).filter(meets).collect();
-        let mut labels = Labels::new(lines);
-        self.blocks.iter().filter(|b| meets(&[b[0], b[2]])).for_each(|b| labels.take(*b));
-        (labels, parts)
-    }
-
     /// The first free place of words of half the size `half` at a distance from the outline, and the line to it.
-    fn free(
-        &self,
-        feet: &[Vec2],
-        half: Vec2,
-        away: f64,
-        (near, parts): &(Labels, Vec<usize>),
-    ) -> Option<(Vec2, [Vec2; 2])> {
+    fn free(&self, feet: &[Vec2], half: Vec2, away: f64) -> Option<(Vec2, [Vec2; 2])> {
         let step = 0.5f64.sqrt();
         let ways =
             [(0., 1.), (0., -1.), (1., 0.), (-1., 0.), (step, step), (-step, step), (step, -step), (-step, -step)];
@@ -119,12 +97,16 @@ impl NamedDrawing<'_> {
             (edge + half.component_mul(&way.map(side)), [foot + way * (OFF * self.height), edge])
         };
         places.map(place).find(|(middle, leader)| {
-            near.is_box_clear(&corners(*middle, half))
-                && near.is_line_clear(leader)
-                && !parts
-                    .iter()
-                    .any(|&k| flat::inside(&self.outlines[k], *middle) || flat::inside(&self.outlines[k], leader[0]))
+            self.labels.is_box_clear(&corners(*middle, half))
+                && self.labels.is_line_clear(leader)
+                && ![*middle, leader[0]].iter().any(|p| self.is_on_part(p))
         })
+    }
+
+    /// Whether a point lies on any part.
+    fn is_on_part(&self, p: &Vec2) -> bool {
+        let at = Vec3::new(p.x, p.y, 0.0);
+        self.parts.any_meeting(&BBox { min: at, max: at }, &mut |k| flat::inside(&self.outlines[k], *p))
     }
 }
 
@@ -135,7 +117,7 @@ fn corners(middle: Vec2, half: Vec2) -> [Vec2; 4] {
 
 /// Strokes of lines of words, centred, and of the line to them.
 fn written(lines: &[String], middle: Vec2, (tall, height): (f64, f64), leader: [Vec2; 2]) -> Vec<Vec<Vec2>> {
-    let mut labels = Labels::default();
+    let mut labels = Labels::new(Vec::new());
     let mut top = middle.y + 0.5 * tall;
     for (k, text) in lines.iter().enumerate() {
         let (height, step) = if k == 0 { (height, height) } else { (SMALL * height, LINE * SMALL * height) };

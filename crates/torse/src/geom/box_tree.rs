@@ -125,6 +125,24 @@ impl BoxTree {
         found.into_iter().map(|f| f.1).collect()
     }
 
+    /// Whether `see` says so of any item whose box may meet another one.
+    pub fn any_meeting(&self, with: &BBox, see: &mut dyn FnMut(usize) -> bool) -> bool {
+        let mut open = Vec::with_capacity(64);
+        open.extend((!self.nodes.is_empty()).then_some(0));
+        while let Some(at) = open.pop() {
+            let node = &self.nodes[at];
+            if !node.bounds.meets(with) {
+                continue;
+            }
+            if node.count == 0 {
+                open.extend(node.children);
+            } else if self.order[node.first..node.first + node.count].iter().any(|&i| see(i as usize)) {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Shows items in boxes nearer than a limit, which the visitor lowers.
     fn visit(&self, x: &Vec3, mut limit: f64, see: &mut dyn FnMut(f64, usize) -> f64) {
         let mut open: Vec<(f64, usize)> = Vec::with_capacity(64);
@@ -167,6 +185,16 @@ mod tests {
             list.sort_by(|&a, &b| far(a).total_cmp(&far(b)));
             assert_eq!(tree.nearest(&x, &far).map(|f| f.0), Some(list[0]));
             assert_eq!(tree.several(&x, 9, &far), list[..9]);
+            let around = BBox { min: x - Vec3::repeat(0.3), max: x + Vec3::repeat(0.3) };
+            let within = |i: usize| around.meets(&BBox { min: points[i], max: points[i] });
+            let mut met: Vec<usize> = Vec::new();
+            assert!(!tree.any_meeting(&around, &mut |i| {
+                met.extend(within(i).then_some(i));
+                false
+            }));
+            met.sort_unstable();
+            assert_eq!(met, (0..500).filter(|i| within(*i)).collect::<Vec<_>>());
+            assert_eq!(tree.any_meeting(&around, &mut |i| within(i)), !met.is_empty());
             let least = far(list[0]);
             assert_eq!(tree.nearest_within(&x, 1.01 * least, &far).map(|f| f.0), Some(list[0]));
             assert!(tree.nearest_within(&x, least, &far).is_none());

@@ -89,6 +89,11 @@ impl BBox {
         self.max = self.max.sup(p);
     }
 
+    /// Whether it has a point in common with another one.
+    pub fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|d| self.min[d] <= other.max[d] && other.min[d] <= self.max[d])
+    }
+
     /// Length of the diagonal; 0 for an empty box.
     pub fn diagonal(&self) -> f64 {
         let d = self.max - self.min;
