@@ -152,13 +152,7 @@ pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap,
 }
 
 /// Distance of a piece of an edge, halved while that is worth it.
-fn of_edge(
-    piece: &Bezier<4>,
-    size: f64,
-    map: &ClosedMap,
-    (aim, seen): (f64, &mut f64),
-    halvings: u32,
-) -> Option<f64> {
+fn of_edge(piece: &Bezier<4>, size: f64, map: &ClosedMap, (aim, seen): (f64, &mut f64), halvings: u32) -> Option<f64> {
     let control = piece.control();
     let net = Net::of(control, (control.len() - 1, 0), map.frame());
     let whole = net.and_then(|net| net.distance(size, map));
