@@ -254,3 +254,6 @@ pub(super) fn strain(image: &EdgeImage) -> f64 {
     // frame and turn follow each other.
     (Interval::point(8.0) * off).hi
 }
+
+#[cfg(test)]
+mod tests;

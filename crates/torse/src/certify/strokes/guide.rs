@@ -58,10 +58,15 @@ impl Guide {
         })
     }
 
-    /// Distance (mm, in the drawing) from the stroke of a place that is `off` it and `ahead` of its middle.
+    /// Distance (mm, in the drawing) from the stroke of a place that is `off` it and `ahead` of its middle. At a distance ρ from
+    /// the centre of an arc of radius r, an angle φ beyond its end, that is the root of (ρ − r)² + 4ρr sin²(φ/2), and 4 sin²(φ/2) < φ².
     pub(super) fn distance(&self, off: Interval, ahead: Interval) -> f64 {
-        let beyond = (Interval::point(ahead.mag()) - self.half()).hi.max(0.0);
-        ((off.sqr() + Interval::point(beyond).sqr()).sqrt() * self.scale).hi
+        let beyond = Interval::point((Interval::point(ahead.mag()) - self.half()).hi.max(0.0));
+        let outside = match self.circle {
+            Some((_, radius, ..)) => Interval::ONE + Interval::point(off.mag()) / radius,
+            None => Interval::ONE,
+        };
+        ((off.sqr() + beyond.sqr() * outside).sqrt() * self.scale).hi
     }
 
     /// Distance from the line or circle (signed), and way beyond its ends, of a place; both with their derivative where
