@@ -20,6 +20,7 @@ use crate::num::parallel;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
+pub(super) use coefficients::root_between;
 use guide::{arc_tangent, widened, Guide};
 use motion::{hull, placed, turns};
 use std::f64::consts::TAU;
@@ -225,13 +226,6 @@ fn enclosed(points: &[[Interval; 4]], width: Interval) -> Option<([Interval; 3],
     let x: [Interval; 3] = std::array::from_fn(|d| hull(ways().map(|w| w[d])) / weight);
     let dx = std::array::from_fn(|d| (hull(steps().map(|s| s[d])) - x[d] * d_weight) / weight);
     Some((std::array::from_fn(|d| x[d] + Interval::point(from[d])), dx))
-}
-
-/// The least of |a| + |b| where a is at least `least`, and b² off a² by `off` at most: a difference of squares over it is
-/// one of roots.
-pub(super) fn root_between(least: Interval, off: f64) -> Interval {
-    let square = (least.sqr() - Interval::point(off)).lo.max(0.0);
-    Interval::point((least + Interval::point(square).sqrt()).lo)
 }
 
 /// Relative change of lengths by a map: how far its frame and its turn are from orthonormal.

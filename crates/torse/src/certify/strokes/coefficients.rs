@@ -8,7 +8,6 @@
 
 use super::guide::{widened, Guide};
 use super::motion::hull;
-use super::root_between;
 use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::image::ClosedMap;
@@ -64,4 +63,11 @@ fn off_circle(net: &[[Interval; 4]], centre: [Interval; 2], radius: Interval) ->
     let most = hull((0..=2 * p).map(coefficient)).mag();
     let least = root_between(weight * radius.lo, most);
     (radius.lo > 0.0).then(|| Interval::new(-most, most) / (weight * least))
+}
+
+/// The least of |a| + |b| where a is at least `least`, and b² off a² by `off` at most: a difference of squares over it is
+/// one of roots.
+pub(in crate::certify) fn root_between(least: Interval, off: f64) -> Interval {
+    let square = (least.sqr() - Interval::point(off)).lo.max(0.0);
+    Interval::point((least + Interval::point(square).sqrt()).lo)
 }

@@ -74,7 +74,8 @@ pub(super) fn apex(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]]) -> O
     Some(Apex { bound, is_inside: near <= INSIDE * far })
 }
 
-/// A box around the image of Bézier points under the map alone by how far they are from the apex; `None` for other maps than a cone's.
+/// A box around the image of Bézier points under the map alone by how far they are from the apex; `None` for other maps than
+/// a cone's.
 pub(super) fn about_apex(image: &EdgeImage, net: &[[Interval; 4]]) -> Option<[Interval; 2]> {
     let far = hull(ways(image, net)?.into_iter()).hi;
     Some([Interval::symmetric(far); 2])

@@ -70,6 +70,27 @@ fn distance(s: &Stroke, p: &Vec2) -> f64 {
     }
 }
 
+/// The edge goes out to 20 mm on one side of a small arc between its ends, and back.
+#[test]
+fn what_lies_beyond_the_end_of_an_arc_and_outside_its_circle_is_as_far_as_it_is() {
+    for side in [-1.0, 1.0] {
+        let points = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.0, 40.0 * side, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+        let image = EdgeImage {
+            face: 0,
+            curve: edge(&points, &[1.0; 3]),
+            map: ClosedMap::Plane(Frame::world()),
+            turn: [1.0, 0.0],
+            shift: Vec2::zeros(),
+            part: [0.0, 1.0],
+            angles: [0.0; 2],
+        };
+        let drawn = |images| Stroke { start: -Vec2::x(), end: Vec2::x(), bulge: 0.2, images };
+        let seen = distance(&drawn(None), &Vec2::new(0.0, 20.0 * side));
+        let bound = strokes(&[drawn(Some(vec![image]))], &[], 0.01);
+        assert!(bound >= seen && bound < 2.0 * seen, "{bound} for {seen}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
