@@ -46,7 +46,7 @@ pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Opt
     let labels = Labels::new(sides.collect());
     let raised = |p: &Vec2| Vec3::new(p.x, p.y, 0.0);
     let parts = BoxTree::new(extents.len(), &|k| BBox { min: raised(&extents[k][0]), max: raised(&extents[k][1]) });
-    let mut drawing = NamedDrawing { outlines, labels, parts, height, longest };
+    let mut drawing = NamedDrawing { outlines, labels, named: Vec::new(), parts, height, longest };
     unnamed.iter().map(|u| drawing.put(u)).collect()
 }
 
@@ -55,6 +55,8 @@ struct NamedDrawing<'a> {
     outlines: &'a [Vec<Vec<Vec2>>],
     /// What names keep off: outlines, and the names put so far with the lines to them.
     labels: Labels,
+    /// Boxes around these names, each with its line.
+    named: Vec<BBox>,
     /// Over the boxes of all parts.
     parts: BoxTree,
     height: f64,
@@ -73,20 +75,24 @@ impl NamedDrawing<'_> {
         let tall = self.height + LINE * SMALL * self.height * (lines.len() - 1) as f64;
         let half = Vec2::new(0.5 * wide, 0.5 * tall) + Vec2::repeat(CLEAR * self.height);
         let feet = feet(self.outlines.get(part)?.first()?);
-        let mut away = AWAY.0 * self.height;
-        while away < self.longest.max(4.0 * self.height) {
-            if let Some((middle, leader)) = self.free(&feet, half, away) {
-                self.labels.take_line(leader);
-                self.labels.take(corners(middle, half));
-                return Some(written(lines, middle, (tall, self.height), leader));
+        // Best so that no name stands between another one and its part.
+        for apart in [true, false] {
+            let mut away = AWAY.0 * self.height;
+            while away < self.longest.max(4.0 * self.height) {
+                if let Some((middle, leader)) = self.free(&feet, half, away, apart) {
+                    self.named.push(whole(middle, half, &leader));
+                    self.labels.take_line(leader);
+                    self.labels.take(corners(middle, half));
+                    return Some(written(lines, middle, (tall, self.height), leader));
+                }
+                away *= AWAY.1;
             }
-            away *= AWAY.1;
         }
         None
     }
 
     /// The first free place of words of half the size `half` at a distance from the outline, and the line to it.
-    fn free(&self, feet: &[Vec2], half: Vec2, away: f64) -> Option<(Vec2, [Vec2; 2])> {
+    fn free(&self, feet: &[Vec2], half: Vec2, away: f64, apart: bool) -> Option<(Vec2, [Vec2; 2])> {
         let step = 0.5f64.sqrt();
         let ways =
             [(0., 1.), (0., -1.), (1., 0.), (-1., 0.), (step, step), (-step, step), (step, -step), (-step, -step)];
@@ -100,6 +106,7 @@ impl NamedDrawing<'_> {
             self.labels.is_box_clear(&corners(*middle, half))
                 && self.labels.is_line_clear(leader)
                 && ![*middle, leader[0]].iter().any(|p| self.is_on_part(p))
+                && !(apart && self.named.iter().any(|n| n.meets(&whole(*middle, half, leader))))
         })
     }
 
@@ -108,6 +115,14 @@ impl NamedDrawing<'_> {
         let at = Vec3::new(p.x, p.y, 0.0);
         self.parts.any_meeting(&BBox { min: at, max: at }, &mut |k| flat::inside(&self.outlines[k], *p))
     }
+}
+
+/// The box around words of half the size `half` and the line to them.
+fn whole(middle: Vec2, half: Vec2, leader: &[Vec2; 2]) -> BBox {
+    let mut out = BBox::empty();
+    let ends = [middle - half, middle + half, leader[0], leader[1]];
+    ends.iter().for_each(|p| out.include(&Vec3::new(p.x, p.y, 0.0)));
+    out
 }
 
 /// Corners of a box, counter-clockwise.
