@@ -74,7 +74,7 @@ pub struct Unroll {
     pub strict: bool,
 
     /// Write so many bodies at a time into folders of their own, 001, 002 and on, each a whole result: many bodies then need no
-    /// more memory than one folder. With --surfaces, sheets of one part that are apart count as bodies
+    /// more memory than one folder. Open sheets of one part that do not touch count as bodies, all of them with --surfaces
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub split: Option<u32>,
 }

@@ -5,7 +5,7 @@
 
 use super::stroke_font;
 use crate::geom::box_tree::BoxTree;
-use crate::geom::{BBox, Vec2, Vec3};
+use crate::geom::{BBox, Vec2};
 
 /// Place for a text: its middle, its direction of reading (unit vector) and the height of its capitals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,13 +50,13 @@ pub(crate) fn upright(along: Vec2) -> Vec2 {
 impl Labels {
     /// Texts keep off these lines: outlines, marks.
     pub fn new(lines: Vec<[Vec2; 2]>) -> Self {
-        let tree = BoxTree::new(lines.len(), &|k| around(&lines[k]));
+        let tree = BoxTree::new(lines.len(), &|k| BBox::of_flat(&lines[k]));
         Self { lines, tree, boxes: Vec::new(), strokes: Vec::new() }
     }
 
     /// Keeps a box, by its corners, free of all that comes later.
     pub fn take(&mut self, corners: [Vec2; 4]) {
-        self.boxes.push((corners, around(&corners)));
+        self.boxes.push((corners, BBox::of_flat(&corners)));
     }
 
     /// The same of a line.
@@ -86,33 +86,16 @@ impl Labels {
         self.is_free(&corners(text, place))
     }
 
-    /// Whether a box, by its corners, is free.
-    pub fn is_box_clear(&self, corners: &[Vec2; 4]) -> bool {
-        self.is_free(corners)
-    }
-
-    /// Whether a line meets nothing.
-    pub fn is_line_clear(&self, line: &[Vec2; 2]) -> bool {
-        self.is_free(line)
-    }
-
-    /// Whether a convex polygon is free.
-    fn is_free(&self, shape: &[Vec2]) -> bool {
-        let here = around(shape);
+    /// Whether a line (two points) or a convex polygon is free.
+    pub fn is_free(&self, shape: &[Vec2]) -> bool {
+        let here = BBox::of_flat(shape);
         shape.iter().all(|p| p.x.is_finite() && p.y.is_finite())
             && !self.boxes.iter().any(|(b, there)| here.meets(there) && overlap(shape, b))
             && !self.tree.any_meeting(&here, &mut |k| {
                 let line = &self.lines[k];
-                here.meets(&around(line)) && overlap(shape, line)
+                here.meets(&BBox::of_flat(line)) && overlap(shape, line)
             })
     }
-}
-
-/// The box around points.
-fn around(points: &[Vec2]) -> BBox {
-    let mut out = BBox::empty();
-    points.iter().for_each(|p| out.include(&Vec3::new(p.x, p.y, 0.0)));
-    out
 }
 
 /// Corners of the box around a text, with some space.
@@ -191,10 +174,10 @@ mod tests {
         let ring = |half: f64| [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec2::new(x, y) * half);
         let mut l = Labels::new(Vec::new());
         l.take(ring(20.0));
-        assert!(!l.is_box_clear(&ring(1.0)) && !l.is_line_clear(&[Vec2::zeros(), Vec2::x()]));
+        assert!(!l.is_free(&ring(1.0)) && !l.is_free(&[Vec2::zeros(), Vec2::x()]));
         l.take_line([Vec2::new(30.0, 0.0), Vec2::new(90.0, 60.0)]);
-        assert!(!l.is_line_clear(&[Vec2::new(60.0, 20.0), Vec2::new(60.0, 40.0)]));
-        assert!(l.is_line_clear(&[Vec2::new(60.0, 10.0), Vec2::new(80.0, 30.0)]));
+        assert!(!l.is_free(&[Vec2::new(60.0, 20.0), Vec2::new(60.0, 40.0)]));
+        assert!(l.is_free(&[Vec2::new(60.0, 10.0), Vec2::new(80.0, 30.0)]));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::flat;
 use super::labels::{Labels, TextPlace};
 use super::stroke_font;
 use crate::geom::box_tree::BoxTree;
-use crate::geom::{BBox, Vec2, Vec3};
+use crate::geom::{BBox, Vec2};
 
 /// A part whose name has no room on it.
 #[derive(Clone, Debug)]
@@ -39,13 +39,12 @@ const AWAY: (f64, f64) = (1.0, 1.6);
 /// Strokes of the names that have no room on their parts, in the order of `unnamed`; `None` for those without any free place.
 /// `outlines` are those of all parts, at most a little (mm) rough.
 pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Option<Vec<Vec<Vec2>>>> {
-    let extents: Vec<[Vec2; 2]> = outlines.iter().map(|o| extent(o)).collect();
-    let longest = extents.iter().map(|[low, high]| (high - low).max()).filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let boxes: Vec<BBox> = outlines.iter().map(|o| BBox::of_flat(o.iter().flatten())).collect();
+    let longest = boxes.iter().map(|b| (b.max - b.min).max()).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let height = (HEIGHT_SHARE * longest).clamp(HEIGHT.0, HEIGHT.1);
     let sides = outlines.iter().flatten().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
     let labels = Labels::new(sides.collect());
-    let raised = |p: &Vec2| Vec3::new(p.x, p.y, 0.0);
-    let parts = BoxTree::new(extents.len(), &|k| BBox { min: raised(&extents[k][0]), max: raised(&extents[k][1]) });
+    let parts = BoxTree::new(boxes.len(), &|k| boxes[k]);
     let mut drawing = NamedDrawing { outlines, labels, named: Vec::new(), parts, height, longest };
     unnamed.iter().map(|u| drawing.put(u)).collect()
 }
@@ -103,8 +102,8 @@ impl NamedDrawing<'_> {
             (edge + half.component_mul(&way.map(side)), [foot + way * (OFF * self.height), edge])
         };
         places.map(place).find(|(middle, leader)| {
-            self.labels.is_box_clear(&corners(*middle, half))
-                && self.labels.is_line_clear(leader)
+            self.labels.is_free(&corners(*middle, half))
+                && self.labels.is_free(leader)
                 && ![*middle, leader[0]].iter().any(|p| self.is_on_part(p))
                 && !(apart && self.named.iter().any(|n| n.meets(&whole(*middle, half, leader))))
         })
@@ -112,17 +111,13 @@ impl NamedDrawing<'_> {
 
     /// Whether a point lies on any part.
     fn is_on_part(&self, p: &Vec2) -> bool {
-        let at = Vec3::new(p.x, p.y, 0.0);
-        self.parts.any_meeting(&BBox { min: at, max: at }, &mut |k| flat::inside(&self.outlines[k], *p))
+        self.parts.any_meeting(&BBox::of_flat([p]), &mut |k| flat::inside(&self.outlines[k], *p))
     }
 }
 
 /// The box around words of half the size `half` and the line to them.
 fn whole(middle: Vec2, half: Vec2, leader: &[Vec2; 2]) -> BBox {
-    let mut out = BBox::empty();
-    let ends = [middle - half, middle + half, leader[0], leader[1]];
-    ends.iter().for_each(|p| out.include(&Vec3::new(p.x, p.y, 0.0)));
-    out
+    BBox::of_flat(&[middle - half, middle + half, leader[0], leader[1]])
 }
 
 /// Corners of a box, counter-clockwise.
@@ -164,12 +159,6 @@ fn feet(outline: &[Vec2]) -> Vec<Vec2> {
     out
 }
 
-/// Corners of the box around outlines.
-fn extent(outlines: &[Vec<Vec2>]) -> [Vec2; 2] {
-    let none = [Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)];
-    outlines.iter().flatten().fold(none, |[low, high], p| [low.inf(p), high.sup(p)])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,6 +179,12 @@ mod tests {
             ..Pattern::default()
         };
         (pattern, Placement { angle: 0.0, offset: Vec2::new(0.0, 23.0 * k as f64) })
+    }
+
+    /// Corners of the box around outlines.
+    fn extent(outlines: &[Vec<Vec2>]) -> [Vec2; 2] {
+        let b = BBox::of_flat(outlines.iter().flatten());
+        [b.min.xy(), b.max.xy()]
     }
 
     fn inside(p: &Vec2, y: f64) -> bool {

@@ -89,6 +89,13 @@ impl BBox {
         self.max = self.max.sup(p);
     }
 
+    /// The box around points of the plane, at height 0.
+    pub fn of_flat<'a>(points: impl IntoIterator<Item = &'a Vec2>) -> Self {
+        let mut out = Self::empty();
+        points.into_iter().for_each(|p| out.include(&Vec3::new(p.x, p.y, 0.0)));
+        out
+    }
+
     /// Whether it has a point in common with another one.
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|d| self.min[d] <= other.max[d] && other.min[d] <= self.max[d])

@@ -51,7 +51,7 @@ impl Moments {
 pub(super) fn settled(loops: &[Vec<Vec2>], start: Motion, points: &[Vec<Vec2>], rounds: usize) -> (Motion, f64) {
     let all: Vec<(Vec2, Vec2)> = sides(loops).collect();
     let raised = |q: &Vec2| Vec3::new(q.x, q.y, 0.0);
-    let tree = BoxTree::new(all.len(), &|i| BBox::of([raised(&all[i].0), raised(&all[i].1)].iter()));
+    let tree = BoxTree::new(all.len(), &|i| BBox::of_flat(&[all[i].0, all[i].1]));
     let mut motion = start;
     let mut left = f64::INFINITY;
     for _ in 0..rounds {
