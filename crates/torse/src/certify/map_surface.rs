@@ -130,8 +130,8 @@ const POINT: f64 = 1e-9;
 /// Halvings of a piece of an edge until its bound is fine enough, at most.
 const HALVINGS: u32 = 8;
 
-/// Bound of the distance (mm) of a part of an edge (homogeneous) from the surface of a map; `aim` (mm) above the distance, or
-/// above none, is fine enough.
+/// Bound of the distance (mm) of a part of an edge (homogeneous) from the surface of a map; one that exceeds what is seen on the
+/// edge by no more than `aim` (mm) is fine enough.
 pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap, aim: f64) -> UpperBound {
     let (a, b) = (part[0].min(part[1]), part[0].max(part[1]));
     let (lo, hi) = edge.domain();
