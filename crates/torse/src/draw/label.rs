@@ -164,9 +164,9 @@ impl SightMap {
     }
 
     /// The place on paper, below `top`, where a name of half the size `half` (pixels) is nearest to the thing of `owner`, and
-    /// the start of the line to it, out of `starts`; its cells and those of the line are taken. Lines run across other things
-    /// only where there is no other place. `None` where nothing is free.
-    pub fn beside(&mut self, owner: u32, starts: &[Vec2], half: Vec2, top: f64) -> Option<[Vec2; 2]> {
+    /// the start of the line to it, out of `starts`; its cells and those of the line are taken. Where there is no other place the
+    /// line runs across other things, if it may go `across`. `None` where nothing is free.
+    pub fn beside(&mut self, owner: u32, starts: &[Vec2], half: Vec2, (top, across): (f64, bool)) -> Option<[Vec2; 2]> {
         let nearest = |over: bool| {
             let most = if over { f64::INFINITY } else { LEADER * CELL * self.columns as f64 };
             let mut best: Option<(f64, Vec2, Vec2)> = None;
@@ -178,7 +178,7 @@ impl SightMap {
             }
             best
         };
-        let (_, from, place) = nearest(false).or_else(|| nearest(true))?;
+        let (_, from, place) = nearest(false).or_else(|| across.then(|| nearest(true)).flatten())?;
         // Later names keep off the line to this one.
         let line: Vec<usize> = self.way(from, place).collect();
         for k in line {
@@ -316,7 +316,7 @@ mod tests {
         let places = map.places(5);
         assert!(places[4].is_some() && places[0].is_none());
         map.close_below(100.0);
-        assert!(map.beside(9, &[at(200.0, 150.0)], at(10.0, 6.0), 0.0).is_none_or(|[_, p]| p.y < 100.0));
+        assert!(map.beside(9, &[at(200.0, 150.0)], at(10.0, 6.0), (0.0, true)).is_none_or(|[_, p]| p.y < 100.0));
     }
 
     #[test]
@@ -324,7 +324,7 @@ mod tests {
         let mut map = SightMap::new(400, 200);
         rectangle(&mut map, 0, [100.0, 300.0], [80.0, 120.0], 1.0);
         let (from, half) = (Vec2::new(200.0, 100.0), Vec2::new(20.0, 8.0));
-        let places = [0; 3].map(|_| map.beside(0, &[from], half, 20.0).expect("room")[1]);
+        let places = [0; 3].map(|_| map.beside(0, &[from], half, (20.0, true)).expect("room")[1]);
         for (k, p) in places.iter().enumerate() {
             assert!(
                 (p.y + half.y <= 80.0 && p.y - half.y >= 20.0)
@@ -335,7 +335,7 @@ mod tests {
                 assert!((p.x - q.x).abs() >= 2.0 * half.x || (p.y - q.y).abs() >= 2.0 * half.y);
             }
         }
-        assert_eq!(map.beside(0, &[from], Vec2::new(190.0, 90.0), 0.0), None);
+        assert_eq!(map.beside(0, &[from], Vec2::new(190.0, 90.0), (0.0, true)), None);
         // No line to a name runs through another name.
         for (k, p) in places.iter().enumerate() {
             for q in &places[..k] {
@@ -355,10 +355,10 @@ mod tests {
         let half = Vec2::new(20.0, 8.0);
         let middle = Vec2::new(220.0, 100.0);
         let starts = map.starts(1, middle);
-        let [from, place] = map.clone().beside(1, &starts, half, 0.0).expect("room");
+        let [from, place] = map.clone().beside(1, &starts, half, (0.0, true)).expect("room");
         assert!(from.x > 400.0 && place.x > 400.0, "{from} {place}");
         // From its middle alone the line has to cross a neighbour.
-        assert!(map.beside(1, &[middle], half, 0.0).is_some());
+        assert!(map.beside(1, &[middle], half, (0.0, true)).is_some());
     }
 
     fn rectangle(map: &mut SightMap, owner: u32, x: [f64; 2], y: [f64; 2], depth: f64) {

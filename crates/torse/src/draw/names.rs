@@ -1,4 +1,5 @@
-//! Names in pictures, as data: on what they name where they fit, else on paper beside it with a line to it.
+//! Names in pictures, as data: on what they name where they fit, else on paper beside it with a line to it, else a number and
+//! the name in a list.
 //!
 //! Pictures and the page of the report ask here, so that a name stands in the same place in both.
 
@@ -31,11 +32,24 @@ pub(crate) struct Named<'a> {
     pub place: Place,
 }
 
+/// Where names may be that have no room on what they name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Room {
+    /// Names stand below this height, px.
+    pub top: f64,
+    /// How many stand beside what they name at most; of more none does.
+    pub most: usize,
+    /// Whether numbers stand for names whose lines would run across other things.
+    pub numbers: bool,
+}
+
 /// A name as it is to be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlacedName {
     /// Which of the things given.
     pub named: usize,
+    /// The number in the list of names that stands for it here.
+    pub number: Option<usize>,
     /// Middle of the name, px.
     pub middle: Vec2,
     /// Height of its capitals, px.
@@ -71,13 +85,22 @@ pub(crate) fn most_beside(parts: usize) -> usize {
     }
 }
 
-/// Names on what they name, else beside it, below `top` (pixels), with a line to it; beside it at most `most`. What must not
-/// be cut is called so, wherever its name is. Names for which there is no room are left out.
-pub(crate) fn placed(map: &mut SightMap, named: &[Named], (top, most): (f64, usize)) -> Vec<PlacedName> {
+impl PlacedName {
+    /// What is written: the name, or the number that stands for it.
+    pub fn text(&self, name: &str) -> String {
+        self.number.map_or_else(|| name.to_owned(), |n| n.to_string())
+    }
+}
+
+/// Names on what they name, else beside it with a line to it; where that would run across other things, numbers in the order of
+/// the things, if the room has numbers. What must not be cut is called so, wherever its name is. Names for which there is no
+/// room are left out.
+pub(crate) fn placed(map: &mut SightMap, named: &[Named], room: Room) -> Vec<PlacedName> {
     let mut out = Vec::new();
     let mut narrow = Vec::new();
     let on = |k: usize, size: f64, words: bool| PlacedName {
         named: k,
+        number: None,
         middle: named[k].place.middle,
         size,
         words: words.then(|| words_below(size)),
@@ -89,17 +112,42 @@ pub(crate) fn placed(map: &mut SightMap, named: &[Named], (top, most): (f64, usi
             None => narrow.push(k),
         }
     }
-    let crowded = narrow.len() > most;
+    let crowded = narrow.len() > room.most;
+    let mut numbers = 0;
     for k in narrow {
-        let beside = if crowded { None } else { beside(map, &named[k], top) };
-        if let Some((middle, leader)) = beside {
-            let words = named[k].marked.then(|| words_below(BESIDE));
-            out.push(PlacedName { named: k, middle, size: BESIDE, words, leader: Some(leader) });
-        } else if let Some(size) = fitting(map, &named[k], false) {
+        let n = &named[k];
+        let beside_it = if crowded { None } else { beside(map, n, (room.top, !room.numbers)) };
+        if let Some((middle, leader)) = beside_it {
+            let words = n.marked.then(|| words_below(BESIDE));
+            out.push(PlacedName { middle, words, leader: Some(leader), ..on(k, BESIDE, false) });
+        } else if let Some(size) = fitting(map, n, false) {
             // Its colour says that it must not be cut.
             out.push(on(k, size, false));
+        } else if room.numbers && !crowded {
+            numbers += 1;
+            out.push(PlacedName { number: Some(numbers), ..numbered(map, n, on(k, BESIDE, false), numbers, room.top) });
         }
     }
+    out
+}
+
+/// A number in place of a name: on the thing where it fits, beside it if no line runs across anything, else over its border.
+fn numbered(map: &mut SightMap, n: &Named, there: PlacedName, number: usize, top: f64) -> PlacedName {
+    let digits = number.to_string();
+    let short = Named { name: &digits, marked: false, ..*n };
+    if let Some(size) = fitting(map, &short, false) {
+        return PlacedName { size, ..there };
+    }
+    match beside(map, &short, (top, false)) {
+        Some((middle, leader)) => PlacedName { middle, leader: Some(leader), ..there },
+        None => PlacedName { size: *NAMES.start(), ..there },
+    }
+}
+
+/// The names for which numbers stand, in their order, with which of the things given has each.
+pub(crate) fn listed(names: &[PlacedName]) -> Vec<(usize, usize)> {
+    let mut out: Vec<(usize, usize)> = names.iter().filter_map(|n| Some((n.number?, n.named))).collect();
+    out.sort_unstable();
     out
 }
 
@@ -132,10 +180,11 @@ pub(crate) fn on_sheet(pieces: &[FlatPiece], [low, high]: [Vec2; 2]) -> SheetNam
     let size = (high - low) / pixel + Vec2::repeat(2.0 * AROUND);
     let mut map = SightMap::new(size.x as usize, size.y as usize);
     let named = of_pieces(&mut map, pieces, to_map);
-    for mut name in placed(&mut map, &named, (0.0, most_beside(pieces.len()))) {
+    let room = Room { top: 0.0, most: most_beside(pieces.len()), numbers: true };
+    for mut name in placed(&mut map, &named, room) {
         if name.leader.is_some() {
             let n = &named[name.named];
-            let (half, down) = name_box(n.name, name.size, n.marked);
+            let (half, down) = name_box(&name.text(n.name), name.size, name.words.is_some());
             for p in [-half, half].map(|h| to_sheet(name.middle + Vec2::new(0.0, down) + h)) {
                 out.extent = [out.extent[0].inf(&p), out.extent[1].sup(&p)];
             }
@@ -186,11 +235,12 @@ fn fitting(map: &SightMap, n: &Named, words: bool) -> Option<f64> {
     }
 }
 
-/// Middle of a name on paper beside what it names, and the line to it, if there is room.
-fn beside(map: &mut SightMap, n: &Named, top: f64) -> Option<(Vec2, [Vec2; 2])> {
+/// Middle of a name on paper beside what it names, below `top`, and the line to it, across other things if it may go there, if there
+/// is room.
+fn beside(map: &mut SightMap, n: &Named, (top, across): (f64, bool)) -> Option<(Vec2, [Vec2; 2])> {
     let (half, down) = name_box(n.name, BESIDE, n.marked);
     let starts = map.starts(n.owner, n.place.middle);
-    let [at, place] = map.beside(n.owner, &starts, half, top)?;
+    let [at, place] = map.beside(n.owner, &starts, half, (top, across))?;
     // From the thing to the nearest point of the name's box.
     let clear = half + Vec2::repeat(CLEAR);
     let end = place + (at - place).inf(&clear).sup(&-clear);
@@ -210,7 +260,9 @@ mod tests {
         let place = map.places(1)[0].expect("a place");
         let mut named = Named { owner: 0, name: "A-01", marked: false, place };
         assert_eq!(fitting(&map, &named, false), None);
-        let one = |named: &Named, most: usize| placed(&mut map.clone(), std::slice::from_ref(named), (20.0, most));
+        let one = |named: &Named, most: usize| {
+            placed(&mut map.clone(), std::slice::from_ref(named), Room { top: 20.0, most, numbers: false })
+        };
         let plain = one(&named, 1);
         assert!(plain.len() == 1 && plain[0].leader.is_some() && plain[0].words.is_none(), "{plain:?}");
         named.marked = true;
@@ -225,6 +277,31 @@ mod tests {
         }
         // Where nothing may be beside, nothing lies across the part either.
         assert_eq!(one(&named, 0), []);
+    }
+
+    #[test]
+    fn numbers_stand_for_names_whose_lines_would_run_across_other_parts() {
+        let box_of = |name: &str, [x, y]: [f64; 2], [wide, high]: [f64; 2]| {
+            let outline = [[x, y], [x + wide, y], [x + wide, y + high], [x, y + high]].map(Vec2::from).to_vec();
+            FlatPiece { name: name.into(), outlines: vec![outline], ..FlatPiece::default() }
+        };
+        // Two small parts in the middle of large ones.
+        let mut pieces: Vec<FlatPiece> = (0..5)
+            .flat_map(|i| {
+                (0..5).map(move |j| box_of("large", [250.0 * f64::from(i), 250.0 * f64::from(j)], [245.0; 2]))
+            })
+            .collect();
+        pieces[12] = box_of("a long name", [500.0, 500.0], [245.0, 12.0]);
+        pieces.push(box_of("another long name", [500.0, 518.0], [100.0, 8.0]));
+        pieces.push(box_of("", [605.0, 518.0], [140.0, 8.0]));
+        pieces.push(box_of("", [500.0, 532.0], [245.0, 213.0]));
+        pieces[12].marked = true;
+        let found = on_sheet(&pieces, [Vec2::zeros(), Vec2::repeat(1245.0)]).names;
+        let texts: Vec<String> = found.iter().map(|n| n.text(&pieces[n.named].name)).collect();
+        assert_eq!(texts.iter().filter(|t| *t == "large").count(), 24);
+        assert_eq!(listed(&found), [(1, 12), (2, 25)]);
+        assert!(texts.contains(&"1".to_owned()) && texts.contains(&"2".to_owned()), "{texts:?}");
+        assert!(found.iter().all(|n| n.leader.is_none() || n.named >= 12));
     }
 
     /// Strips above each other, the middle ones hidden by their neighbours but for their ends.

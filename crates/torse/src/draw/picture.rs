@@ -4,9 +4,9 @@ use super::camera::{telling_direction, Camera, Rect};
 use super::colour::{self, Rgb};
 use super::flat::FlatPiece;
 use super::label::SightMap;
-use super::names::{self, Named};
+use super::names::{self, Named, PlacedName, Room};
 use super::raster::{Drawing, Image, Line, Paint, Vertex};
-use super::scene::{Scene, ShapePatch, NOT_CERTIFIED};
+use super::scene::{titled, Scene, ShapePatch, NOT_CERTIFIED};
 use super::stroke_font;
 use crate::geom::mesh::Mesh;
 use crate::geom::{Vec2, Vec3};
@@ -197,10 +197,16 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     let most = (*HEIGHT.end() - head - 2.0 * MARGIN - FOOT) / extent.y;
     let scale = ((width - 2.0 * MARGIN) / extent.x).min(most);
     let height = (extent.y * scale + 2.0 * MARGIN + head + FOOT).clamp(*HEIGHT.start(), *HEIGHT.end());
-    let mut drawing = Drawing::new(width as usize, height as usize);
-    captions(&mut drawing, caption);
     let left = 0.5 * (width - extent.x * scale);
     let place = |p: &Vec2| Vec2::new(left + (p.x - low.x) * scale, head + MARGIN + (high.y - p.y) * scale);
+    let mut map = SightMap::new(width as usize, height as usize);
+    let named = names::of_pieces(&mut map, pieces, place);
+    map.close_below(height - FOOT);
+    let room = Room { top: head + 0.5 * MARGIN, most: names::most_beside(pieces.len()), numbers: true };
+    let placed = names::placed(&mut map, &named, room);
+    let list = NameList::new(&named, &placed, width - 2.0 * MARGIN);
+    let mut drawing = Drawing::new(width as usize, (height + list.height()) as usize);
+    captions(&mut drawing, caption);
     let step = pieces.iter().map(|p| p.rulings.len()).sum::<usize>().div_ceil(MOST_RULINGS).max(1);
     for piece in pieces {
         let base = colour::shown(piece.panel, piece.marked);
@@ -236,10 +242,11 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
             drawing.stroke(&[p, p + d * 9.0], 1.6, INK, 1.0);
         }
     }
-    piece_names(&mut drawing, pieces, place, [head + 0.5 * MARGIN, height - FOOT]);
+    write_names(&mut drawing, &named, &placed);
+    list.write(&mut drawing, Vec2::new(MARGIN, height - FOOT));
     let right = scale_bar(&mut drawing, scale);
     if pieces.iter().any(|p| !p.extents.is_empty()) {
-        let base = height - 34.0 + 0.5 * SMALL;
+        let base = drawing.height as f64 - 34.0 + 0.5 * SMALL;
         let mut x = right + 40.0;
         for (words, colour) in [("bends up", UPWARDS), ("bends down", DOWNWARDS)] {
             drawing.stroke(&[Vec2::new(x, base - 5.0), Vec2::new(x + 28.0, base - 5.0)], 2.4, colour, 1.0);
@@ -250,13 +257,48 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     drawing.render()
 }
 
-/// Names of flat parts on them, or beside those that are too small, within a range of heights.
-fn piece_names(drawing: &mut Drawing, pieces: &[FlatPiece], place: impl Fn(&Vec2) -> Vec2, [top, bottom]: [f64; 2]) {
-    let mut map = SightMap::new(drawing.width, drawing.height);
-    let named = names::of_pieces(&mut map, pieces, &place);
-    map.close_below(bottom);
-    // Of too many parts, those have names that have room for them.
-    write_names(drawing, &mut map, &named, (top, names::most_beside(pieces.len())));
+/// The names for which numbers stand on flat parts, in columns.
+struct NameList {
+    entries: Vec<String>,
+    columns: usize,
+    column: f64,
+}
+
+impl NameList {
+    /// Distance of base lines, px.
+    const LINE: f64 = SMALL + 10.0;
+    /// Space between columns, px.
+    const BETWEEN: f64 = 40.0;
+
+    /// The list of names as they were placed, in as many columns as a width (px) has room for.
+    fn new(named: &[Named], placed: &[PlacedName], width: f64) -> Self {
+        let entry = |(number, k): (usize, usize)| format!("{number}  {}", titled(named[k].name, named[k].marked));
+        let entries: Vec<String> = names::listed(placed).into_iter().map(entry).collect();
+        let column = Self::BETWEEN + entries.iter().map(|e| stroke_font::width(e, SMALL)).fold(0.0, f64::max);
+        let columns = ((width / column) as usize).clamp(1, entries.len().max(1));
+        Self { entries, columns, column }
+    }
+
+    fn lines(&self) -> usize {
+        self.entries.len().div_ceil(self.columns)
+    }
+
+    fn height(&self) -> f64 {
+        if self.entries.is_empty() {
+            0.0
+        } else {
+            self.lines() as f64 * Self::LINE + Self::LINE
+        }
+    }
+
+    /// Writes the list below and to the right of a corner.
+    fn write(&self, drawing: &mut Drawing, corner: Vec2) {
+        for (k, entry) in self.entries.iter().enumerate() {
+            let (column, line) = (k / self.lines(), k % self.lines());
+            let down = Vec2::new(column as f64 * self.column, (line + 1) as f64 * Self::LINE);
+            drawing.text(entry, corner + down, SMALL, INK);
+        }
+    }
 }
 
 /// A number with so many significant digits, without exponent between 1e-4 and 1e7.
@@ -395,19 +437,20 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene, top: f64) {
     let named = panels
         .filter_map(|(i, (p, place))| Some(Named { owner: i as u32, name: &p.name, marked: p.marked, place: place? }));
     let named: Vec<Named> = named.collect();
-    write_names(drawing, &mut map, &named, (top, MOST_BESIDE));
+    let placed = names::placed(&mut map, &named, Room { top, most: MOST_BESIDE, numbers: false });
+    write_names(drawing, &named, &placed);
 }
 
 /// Writes names where [`names::placed`] puts them.
-fn write_names(drawing: &mut Drawing, map: &mut SightMap, named: &[Named], (top, most): (f64, usize)) {
-    for p in names::placed(map, named, (top, most)) {
-        let n = &named[p.named];
+fn write_names(drawing: &mut Drawing, named: &[Named], placed: &[PlacedName]) {
+    for p in placed {
+        let text = p.text(named[p.named].name);
         if let Some([at, end]) = p.leader {
             drawing.stroke(&[at, end], 1.2, INK, 1.0);
             drawing.stroke(&[at, at], 5.0, INK, 1.0);
         }
-        let wide = stroke_font::width(n.name, p.size);
-        drawing.rimmed_text(n.name, p.middle + Vec2::new(-0.5 * wide, 0.5 * p.size), p.size, INK);
+        let wide = stroke_font::width(&text, p.size);
+        drawing.rimmed_text(&text, p.middle + Vec2::new(-0.5 * wide, 0.5 * p.size), p.size, INK);
         if let Some((size, below)) = p.words {
             let wide = stroke_font::width(NOT_CERTIFIED, size);
             let base = p.middle + Vec2::new(-0.5 * wide, 0.5 * p.size + below);

@@ -2,7 +2,7 @@
 
 use crate::draw::colour;
 use crate::draw::flat::FlatPiece;
-use crate::draw::names::{on_sheet, SheetNames};
+use crate::draw::names::{listed, on_sheet, PlacedName, SheetNames};
 use crate::draw::scene::{titled, NOT_CERTIFIED};
 use crate::geom::Vec2;
 use crate::io::bends;
@@ -78,14 +78,26 @@ pub(super) fn layout(pieces: &[FlatPiece]) -> String {
                 let words = escape(words);
                 let _ = write!(out, "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"{size:.2}\">{words}</text>");
             };
-            text(y + 0.5 * name.size, name.size, &piece.name);
+            text(y + 0.5 * name.size, name.size, &name.text(&piece.name));
             if let Some((size, below)) = name.words {
                 text(y + 0.5 * name.size + below, size, NOT_CERTIFIED);
             }
         }
         out.push_str("</g>");
     }
-    out + "</svg>" + &bends::table(pieces)
+    out + "</svg>" + &name_list(pieces, &names) + &bends::table(pieces)
+}
+
+/// The names for which numbers stand.
+fn name_list(pieces: &[FlatPiece], names: &[PlacedName]) -> String {
+    let list = listed(names);
+    if list.is_empty() {
+        return String::new();
+    }
+    let entry = |(number, k): (usize, usize)| {
+        format!("<li value=\"{number}\">{}</li>", escape(&titled(&pieces[k].name, pieces[k].marked)))
+    };
+    format!("<ol class=\"names\">{}</ol>", list.into_iter().map(entry).collect::<String>())
 }
 
 #[cfg(test)]
