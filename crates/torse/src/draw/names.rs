@@ -60,6 +60,13 @@ pub(crate) struct PlacedName {
     pub leader: Option<[Vec2; 2]>,
 }
 
+impl PlacedName {
+    /// What is written: the name, or the number that stands for it.
+    pub fn text(&self, name: &str) -> String {
+        self.number.map_or_else(|| name.to_owned(), |n| n.to_string())
+    }
+}
+
 /// Enters flat parts into a map, `place` saying where they are in it, and answers those in sight.
 pub(crate) fn of_pieces<'a>(
     map: &mut SightMap,
@@ -82,13 +89,6 @@ pub(crate) fn most_beside(parts: usize) -> usize {
         0
     } else {
         MOST_NAMES
-    }
-}
-
-impl PlacedName {
-    /// What is written: the name, or the number that stands for it.
-    pub fn text(&self, name: &str) -> String {
-        self.number.map_or_else(|| name.to_owned(), |n| n.to_string())
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Each step is one weighted least-squares solve with the weights `z/s` of both sides of every row, so it costs the
 //! same as a step of Lawson's reweighting, but it converges in about ten steps and knows its own gap.
+//! A predictor and a corrector need a third fewer, but end nearer to a corner of all that is nearly as good: torses are less even
+//! then, and a fuselage at 10 mm got six strips for five.
 //! Source: Mehrotra's primal-dual framework for linear programs, specialised to the Chebyshev problem.
 
 use super::least_squares::{BandMatrix, Rows};
