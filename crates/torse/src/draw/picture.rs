@@ -283,11 +283,11 @@ impl NameList {
         self.entries.len().div_ceil(self.columns)
     }
 
+    /// Of the lines and one between them and what is below, px; nothing without names.
     fn height(&self) -> f64 {
-        if self.entries.is_empty() {
-            0.0
-        } else {
-            self.lines() as f64 * Self::LINE + Self::LINE
+        match self.lines() {
+            0 => 0.0,
+            lines => (lines + 1) as f64 * Self::LINE,
         }
     }
 

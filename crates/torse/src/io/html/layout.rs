@@ -115,6 +115,30 @@ mod tests {
     }
 
     #[test]
+    fn names_for_which_numbers_stand_are_listed() {
+        let part = |name: &str, x: [f64; 2], y: [f64; 2]| {
+            let outline = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(Vec2::from).to_vec();
+            FlatPiece { name: name.into(), outlines: vec![outline], ..FlatPiece::default() }
+        };
+        // A slim part with large ones on all sides.
+        let mut pieces = [
+            part("below", [0.0, 1000.0], [0.0, 480.0]),
+            part("above", [0.0, 1000.0], [520.0, 1000.0]),
+            part("left", [0.0, 395.0], [482.0, 518.0]),
+            part("right", [605.0, 1000.0], [482.0, 518.0]),
+            part("slim & long", [400.0, 600.0], [482.0, 518.0]),
+        ];
+        let fits = layout(&pieces);
+        assert!(!fits.contains("<ol") && fits.contains(">slim &amp; long</text>"), "{fits}");
+        pieces[4] = part("slim & long", [400.0, 600.0], [497.0, 503.0]);
+        pieces[4].marked = true;
+        let covers = [part("", [400.0, 600.0], [482.0, 496.0]), part("", [400.0, 600.0], [504.0, 518.0])];
+        let numbered = layout(&[&pieces[..], &covers[..]].concat());
+        assert!(numbered.contains("<li value=\"1\">slim &amp; long NOT CERTIFIED</li>"), "{numbered}");
+        assert!(numbered.contains(">1</text>") && !numbered.contains(">slim &amp; long</text>"));
+    }
+
+    #[test]
     fn names_of_narrow_parts_stand_beside_them_with_a_line() {
         let strip = |k: usize, wide: f64| {
             let y = 90.0 * k as f64;
