@@ -84,7 +84,7 @@ pub fn of_faces(
     let AssessedTrims { faces, missed: untrue, .. } = assess_trims(faces, tolerance);
     let creased = between_sharp_creases(faces, options.smooth_angle, tolerance);
     let told = Note::creased(&creased);
-    let faces = smoothly_joined(creased.faces, tolerance, options.smooth_angle, control);
+    let faces = smoothly_joined(creased.faces, tolerance, (options.smooth_angle, options.meet), control);
     let faces = beside_apexes(faces, Hair::FINE, tolerance);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;

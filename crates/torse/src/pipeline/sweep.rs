@@ -37,7 +37,7 @@ pub fn sweep(
     // Joined once for all tolerances, as the finest allows.
     let finest = tolerances.iter().copied().filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min);
     let faces = assess_trims(faces.to_vec(), finest).faces;
-    let faces = &smoothly_joined(faces, finest, options.smooth_angle, control);
+    let faces = &smoothly_joined(faces, finest, (options.smooth_angle, options.meet), control);
     let ranges: Vec<Option<f64>> = parallel::map(faces.iter(), band_range);
     let mut sorted = tolerances.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));

@@ -20,6 +20,9 @@ const MOST_TURN_DEG: f64 = 200.0;
 /// corner by a third of its least radius turns by 83°, one that lies across the bend as a plane by some more. A fuselage whose nose
 /// turns by 106° has no end at 20 mm when its halves are joined beside it, and 38 panels when they are joined above it.
 const MOST_SHARP_DEG: f64 = 95.0;
+/// The same where panels are to meet: strips around such a bend come too near to folding to be equally high along their seams. With the
+/// quarters of its tail joined, that fuselage has 39 panels and 11 of 36 seams open, else 42 and 2 of 32.
+const MOST_SHARP_MEETING_DEG: f64 = 45.0;
 /// Only on faces larger than so many tolerances: on small ones covers of the whole are found in seconds, and a nose of 1000 mm with a
 /// radius of 2 mm at its tip has 4 panels at 5 mm, its halves 6; with 10 m, 9 mm and 20 mm no end was found.
 const LONG: f64 = 400.0;
@@ -36,9 +39,14 @@ const MISJUDGED: f64 = 2.0;
 /// Share of a limited time after which no more faces are joined: each can be covered for itself.
 const JOIN_SHARE: f64 = 0.15;
 
-/// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for; where time is limited, those
-/// that were found soon.
-pub(crate) fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64, control: &Control) -> Vec<Face> {
+/// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for, of panels that are to meet or not;
+/// where time is limited, those that were found soon.
+pub(crate) fn smoothly_joined(
+    faces: Vec<Face>,
+    tolerance: f64,
+    (angle, meet): (f64, bool),
+    control: &Control,
+) -> Vec<Face> {
     let control = match control.remaining() {
         Some(left) => control.clone().until(Instant::now() + left.mul_f64(JOIN_SHARE)),
         None => control.clone(),
@@ -50,8 +58,9 @@ pub(crate) fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64, cont
         }
         // No panel goes around both where they turn too far in a bend that is sharper than panels may have.
         if whole.surface.bbox().diagonal() > LONG * tolerance {
-            let sharp = [whole, a, b].map(|f| sharp_turn(f, tolerance));
-            if sharp[0] > MOST_SHARP_DEG.to_radians() && sharp[0] > SHARPER * sharp[1].max(sharp[2]) {
+            let sharp = [whole, a, b].map(|f| sharp_turn(f, tolerance).to_degrees());
+            let no_panel = sharp[0] > MOST_SHARP_DEG && sharp[0] > SHARPER * sharp[1].max(sharp[2]);
+            if no_panel || (meet && sharp[0] > MOST_SHARP_MEETING_DEG) {
                 return false;
             }
         }
@@ -113,11 +122,12 @@ mod tests {
     use crate::spline::surface::Surface;
     use std::f64::consts::FRAC_1_SQRT_2;
 
-    /// A quarter of a nose of 1000 mm whose sections are arcs, from a radius (mm) at its tip to 300 mm, above or below.
-    fn quarter(tip: f64, above: bool) -> Face {
+    /// A quarter of a nose of 1000 mm whose sections are arcs, from a radius (mm) at its tip to 300 mm, above or below; the first part
+    /// of the way (mm) makes it wide.
+    fn quarter((tip, way): (f64, f64), above: bool) -> Face {
         let knots = || Knots::clamped(2, &[0.0, 1.0]).expect("knots");
         let arc = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[y, z]| if above { [y, z] } else { [z, -y] });
-        let along = [[0.0, tip], [300.0, 0.6 * (tip + 300.0)], [1000.0, 300.0]];
+        let along = [[0.0, tip], [way, 0.6 * (tip + 300.0)], [1000.0, 300.0]];
         let points: Vec<Vec3> = along.iter().flat_map(|&[x, r]| arc.map(|[y, z]| Vec3::new(x, r * y, r * z))).collect();
         let weights = [1.0, FRAC_1_SQRT_2, 1.0].repeat(3);
         Face::untrimmed(Surface::new(knots(), knots(), &points, Some(&weights)).expect("a surface"))
@@ -142,23 +152,26 @@ mod tests {
         let tolerance = 1.3;
         let control = Control::default();
         assert!([true, false].iter().all(|above| has_one_panel(&wing(*above), tolerance, &control)));
-        let joined = smoothly_joined(vec![wing(true), wing(false)], tolerance, 0.01, &control);
+        let joined = smoothly_joined(vec![wing(true), wing(false)], tolerance, (0.01, true), &control);
         assert_eq!(joined.len(), 2);
     }
 
     #[test]
     fn faces_are_not_joined_around_a_tip_that_no_panel_can_go_around() {
-        let joined = |tip: f64, tolerance: f64| {
-            let faces = vec![quarter(tip, true), quarter(tip, false)];
-            smoothly_joined(faces, tolerance, 0.01, &Control::default()).len()
+        let joined = |nose: (f64, f64), tolerance: f64, meet: bool| {
+            let faces = vec![quarter(nose, true), quarter(nose, false)];
+            smoothly_joined(faces, tolerance, (0.01, meet), &Control::default()).len()
         };
-        assert_eq!(joined(100.0, 2.0), 1);
+        assert_eq!([false, true].map(|meet| joined((100.0, 300.0), 2.0, meet)), [1, 1]);
         // Panels bend to 6 mm.
-        assert_eq!(joined(2.0, 2.0), 2);
-        assert_eq!(joined(2.0, 5.0), 1);
+        assert_eq!(joined((2.0, 300.0), 2.0, false), 2);
+        assert_eq!([false, true].map(|meet| joined((2.0, 300.0), 5.0, meet)), [1, 1]);
+        // Half of this one turns by 88°.
+        assert_eq!([false, true].map(|meet| joined((2.0, 100.0), 2.0, meet)), [1, 2]);
         // Normals of a section lean by the slope of the nose at its tip.
         let slope = (0.6 * 302.0 - 2.0) / 300.0_f64;
-        let turns = [quarter(2.0, true), quarter(100.0, true)].map(|f| sharp_turn(&f, 2.0).to_degrees());
+        let turns =
+            [quarter((2.0, 300.0), true), quarter((100.0, 300.0), true)].map(|f| sharp_turn(&f, 2.0).to_degrees());
         assert!((turns[0] - 90.0 / slope.hypot(1.0)).abs() < 0.1 && turns[1] == 0.0, "{turns:?}");
     }
 }

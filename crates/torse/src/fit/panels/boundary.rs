@@ -13,7 +13,7 @@ use crate::num::hash::{HashMap, HashSet};
 use crate::num::parallel;
 
 use super::chains::{self, Right};
-use super::line_intersection::on_normal;
+use super::line_intersection::on_leaning;
 use super::trim;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
@@ -143,7 +143,7 @@ impl Borders<'_> {
             for (&v, p) in places.iter_mut().filter(|(v, _)| !in_pole.contains(v)) {
                 let normal = self.lean(v);
                 let x = &self.points[v as usize];
-                let (t, x) = on_normal(x, &normal, assigned.torse, p[0]).ok_or_else(|| bad(v))?;
+                let (t, x) = on_leaning(x, &normal, assigned.torse, p[0]).ok_or_else(|| bad(v))?;
                 *p = [t, convert::parameters(&patch, t, &x)];
             }
             normal_places = places.clone();

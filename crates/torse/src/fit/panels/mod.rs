@@ -4,6 +4,6 @@ pub mod boundary;
 pub(crate) mod chains;
 pub mod cone_trim;
 mod cut_off;
-pub(in crate::fit) mod line_intersection;
+pub(crate) mod line_intersection;
 pub(crate) mod on_rulings;
 pub(crate) mod trim;

@@ -5,6 +5,7 @@ use super::form::{Band, Foot};
 use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, Width, SLIDES};
 use super::strip::{Rulings, Strip};
 use crate::brep::face::Face;
+use crate::fit::panels::line_intersection::LEAST_LEAN;
 use crate::geom::Vec3;
 use crate::num::parallel;
 use crate::torse::form::Torse;
@@ -30,8 +31,6 @@ const MIDDLE: usize = 3;
 const MOST_TAKEN: f64 = 1.3;
 /// Ways up to this share of the tolerance take nothing.
 const LEAST_WAY: f64 = 0.05;
-/// Least cosine between the normals of a face and of a strip with which its heights over the face are counted.
-const LEAST_LEAN: f64 = 0.5;
 
 /// A strip with what belongs to it.
 #[derive(Clone, Debug)]

@@ -172,8 +172,7 @@ impl Start {
     fn of(label: u32, strip: Strip, places: &[Place]) -> Option<Self> {
         let rulings = Rulings::of(strip.torse());
         let feet_of = |(x, n): &Place| -> Vec<Foot> {
-            let feet = rulings.near(x).into_iter().filter_map(|t| strip.foot(x, t, 1.0));
-            feet.filter(|f| *n == Vec3::zeros() || f.normal.dot(n).abs() > FACING).collect()
+            facing(rulings.near(x).into_iter().filter_map(|t| strip.foot(x, t, 1.0)).collect(), n, |f| f.normal)
         };
         let near: Vec<Vec<Foot>> = places.iter().map(feet_of).collect();
         let sense = near.iter().filter_map(|f| f.first()).map(|f| f.regular.signum()).sum::<f64>().signum();
@@ -187,8 +186,18 @@ impl Start {
     }
 }
 
-/// Least cosine between the normals of face and strip at a foot.
-const FACING: f64 = 0.5;
+/// Least cosines between the normals of face and strip at a foot: usual, and where there is no such foot. A crest of 9 mm radius has
+/// normals at all angles to those of a strip 13 mm beside it.
+const FACING: [f64; 2] = [0.5, 0.2];
+
+/// Feet whose `normal` is near that of the face, where it has one.
+fn facing<T>(mut feet: Vec<T>, of_face: &Vec3, normal: impl Fn(&T) -> Vec3) -> Vec<T> {
+    let cosine = |f: &T| if *of_face == Vec3::zeros() { 1.0 } else { normal(f).dot(of_face).abs() };
+    let least = FACING.into_iter().find(|least| feet.iter().any(|f| cosine(f) > *least));
+    feet.retain(|f| least.is_some_and(|least| cosine(f) > least));
+    feet
+}
+
 /// Share of the domain up to which feet of a point are one.
 const ONE_FOOT: f64 = 1e-3;
 
@@ -197,9 +206,9 @@ const ONE_FOOT: f64 = 1e-3;
 fn feet_on(torse: &Torse, places: &[Place], tolerance: f64) -> Option<((f64, f64), Vec<f64>)> {
     let rulings = Rulings::of(torse);
     let feet_of = |(x, n): &Place| {
-        let feet = rulings.near(x).into_iter().filter_map(|t| torse.foot(x, t));
-        let good = |t: &f64| *n == Vec3::zeros() || torse.ruling(*t).normal.dot(n).abs() > FACING;
-        let mut feet: Vec<(f64, f64)> = feet.filter(good).map(|t| (t, torse.plane_distance(x, t))).collect();
+        let feet = rulings.near(x).into_iter().filter_map(|t| torse.foot(x, t)).collect();
+        let feet = facing(feet, n, |t| torse.ruling(*t).normal).into_iter();
+        let mut feet: Vec<(f64, f64)> = feet.map(|t| (t, torse.plane_distance(x, t))).collect();
         feet.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let least = feet.first()?.1.abs();
         feet.retain(|f| f.1.abs() <= least + tolerance);

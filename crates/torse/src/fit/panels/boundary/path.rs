@@ -2,7 +2,7 @@
 //! (certificate specification, section 5).
 
 use super::borders::{Borders, BoundaryOptions};
-use crate::fit::panels::line_intersection::on_normal;
+use crate::fit::panels::line_intersection::on_leaning;
 use crate::fit::panels::trim::Waypoint;
 use crate::geom::Vec3;
 use crate::num::hash::HashMap;
@@ -101,7 +101,7 @@ impl Path<'_> {
             Aim::Normals([a, b]) => {
                 shift = [0, 1].map(|d: usize| a[d] * (1.0 - s) + b[d] * s);
                 let normal = self.borders.lean_between(self.vertices[k], self.vertices[k + 1], l);
-                on_normal(&face.surface.point(uv[0], uv[1]), &normal, self.torse, guess)?
+                on_leaning(&face.surface.point(uv[0], uv[1]), &normal, self.torse, guess)?
             }
             Aim::Edge(edge, _) => {
                 let x = Vec3::from(edge.point(s));
