@@ -10,10 +10,11 @@
 
 use super::marked::marked;
 use super::refold::atlas::{Atlas, OnPanel};
-use super::refold::drawn::{distance, foot};
 use super::shop::roll::outlines;
 use super::shop::sections::clipped;
 use crate::brep::face::Face;
+use crate::geom::outline::Outline;
+use crate::geom::segment::foot;
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::patchwork::pattern::{MarkLine, Pattern};
 use crate::spline::curve::Curve;
@@ -25,6 +26,7 @@ pub(crate) struct Target {
     bounds: BBox,
     /// Outlines of its pattern as polygons, and how far (mm) these may be off.
     loops: Vec<Vec<Vec2>>,
+    outline: Outline,
     rough: f64,
     /// Distance (mm) that images on both sides of a sharp bend may be apart.
     leap: f64,
@@ -149,7 +151,8 @@ impl Target {
         }
         let size = pattern.length.max(pattern.area.sqrt());
         let (loops, rough) = (outlines(pattern, size), pattern.contour_error.max(0.0));
-        Self { atlas, bounds, loops, rough, leap, ground: None, other_skin: Vec::new() }
+        let outline = Outline::of(&loops);
+        Self { atlas, bounds, loops, outline, rough, leap, ground: None, other_skin: Vec::new() }
     }
 
     /// The same part of a sheet, the other skin of which is so far (mm) along the normals of its faces, in their order.
@@ -253,7 +256,7 @@ impl Target {
             if is_stub && (lines.len() > 1 || !out.on.iter().all(|on| *on)) {
                 continue;
             }
-            if fine.iter().all(|p| distance(&self.loops, p) <= edge) {
+            if fine.iter().all(|p| self.outline.any_within(p, edge)) {
                 out.along_edge = true;
                 continue;
             }

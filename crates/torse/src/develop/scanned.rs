@@ -7,6 +7,7 @@
 //! outermost points. How far the outline keeps from the points is judged elsewhere.
 
 use super::map::Development;
+use crate::geom::inside::Inside;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::panel::{Border, Coedge};
@@ -167,7 +168,8 @@ fn outline_at(net: &Net, taken: &[Vec2], (alpha, off, left_out): (f64, f64, f64)
     let loops: Vec<Vec<Vec2>> =
         closed_walks(next).iter().map(|w| w.iter().filter_map(|i| place.get(i).copied()).collect()).collect();
     let outer = loops.iter().max_by(|a, b| area(a).total_cmp(&area(b))).filter(|l| area(l) > 0.0)?.clone();
-    let holes: Vec<&Vec<Vec2>> = loops.iter().filter(|l| area(l) < 0.0 && inside(&[&outer], &l[0])).collect();
+    let around = Inside::of([&outer]);
+    let holes: Vec<&Vec<Vec2>> = loops.iter().filter(|l| area(l) < 0.0 && around.holds(&l[0])).collect();
     let least = std::f64::consts::PI * (HOLE * alpha).powi(2);
     let key = |p: &Vec2| [p.x.to_bits(), p.y.to_bits()];
     // Holes that meet the border or each other in a corner would leave a sheet that hangs together in a point.
@@ -180,7 +182,6 @@ fn outline_at(net: &Net, taken: &[Vec2], (alpha, off, left_out): (f64, f64, f64)
     });
     // Corners of the outer polygon are neither inside nor outside by counting crossings.
     let corners: HashSet<[u64; 2]> = outer.iter().map(key).collect();
-    let around = Inside::of(&outer);
     let out = |p: &&Vec2| !corners.contains(&key(p)) && !around.holds(p);
     let stray = taken.iter().filter(out).count();
     if stray as f64 > STRAY * taken.len() as f64 {
@@ -271,48 +272,6 @@ pub(crate) fn area(polygon: &[Vec2]) -> f64 {
     let n = polygon.len();
     let Some(o) = polygon.first() else { return 0.0 };
     (0..n).map(|k| 0.5 * (polygon[k] - o).perp(&(polygon[(k + 1) % n] - o))).sum()
-}
-
-/// Whether a point lies inside polygons, even-odd.
-fn inside(polygons: &[&Vec<Vec2>], p: &Vec2) -> bool {
-    let crosses = |l: &&Vec<Vec2>| (0..l.len()).filter(|&k| passes(&l[k], &l[(k + 1) % l.len()], p)).count();
-    polygons.iter().map(crosses).sum::<usize>() % 2 == 1
-}
-
-/// Whether a side passes a point on its right.
-fn passes(a: &Vec2, b: &Vec2, p: &Vec2) -> bool {
-    (a.y <= p.y) != (b.y <= p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-}
-
-/// A polygon whose sides are found by height.
-struct Inside<'a> {
-    polygon: &'a [Vec2],
-    low: f64,
-    step: f64,
-    rows: Vec<Vec<usize>>,
-}
-
-impl<'a> Inside<'a> {
-    fn of(polygon: &'a [Vec2]) -> Self {
-        let (low, high) = polygon.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
-        let step = ((high - low) / CELLS).max(f64::MIN_POSITIVE);
-        let mut out = Self { polygon, low, step, rows: vec![Vec::new(); CELLS as usize + 1] };
-        for k in 0..polygon.len() {
-            let (a, b) = (out.row(polygon[k].y), out.row(polygon[(k + 1) % polygon.len()].y));
-            (a.min(b)..=a.max(b)).for_each(|r| out.rows[r].push(k));
-        }
-        out
-    }
-
-    fn row(&self, y: f64) -> usize {
-        (((y - self.low) / self.step).max(0.0) as usize).min(self.rows.len() - 1)
-    }
-
-    fn holds(&self, p: &Vec2) -> bool {
-        let l = self.polygon;
-        let crossed = |k: &&usize| passes(&l[**k], &l[(**k + 1) % l.len()], p);
-        self.rows[self.row(p.y)].iter().filter(crossed).count() % 2 == 1
-    }
 }
 
 /// A polygon without the corners that lie within `off` of the line between those kept, see [`needed`].
@@ -503,9 +462,10 @@ pub(crate) fn sharp(l: &[Vec2]) -> Vec<bool> {
 pub(crate) fn cut_back(pattern: &Pattern, contours: Vec<Contour>, chord: f64) -> Pattern {
     let polygons: Vec<Vec<Vec2>> = contours.iter().map(|c| c.vertices.iter().map(|v| v.point).collect()).collect();
     let loops: Vec<&Vec<Vec2>> = polygons.iter().collect();
+    let inside = Inside::of(loops.iter().copied());
     let (mut rulings, mut bends) = (Vec::new(), Vec::new());
     for (k, ruling) in pattern.rulings.iter().enumerate() {
-        for piece in pieces_inside(&loops, ruling) {
+        for piece in pieces_inside((&loops, &inside), ruling) {
             rulings.push(piece);
             bends.push(pattern.bend(k));
         }
@@ -528,7 +488,7 @@ pub(crate) fn cut_back(pattern: &Pattern, contours: Vec<Contour>, chord: f64) ->
 }
 
 /// The parts of a segment inside polygons.
-fn pieces_inside(loops: &[&Vec<Vec2>], [a, b]: &[Vec2; 2]) -> Vec<[Vec2; 2]> {
+fn pieces_inside((loops, inside): (&[&Vec<Vec2>], &Inside), [a, b]: &[Vec2; 2]) -> Vec<[Vec2; 2]> {
     let d = b - a;
     let mut at = vec![0.0, 1.0];
     for l in loops {
@@ -544,7 +504,7 @@ fn pieces_inside(loops: &[&Vec<Vec2>], [a, b]: &[Vec2; 2]) -> Vec<[Vec2; 2]> {
     at.retain(|t| (0.0..=1.0).contains(t));
     at.sort_by(f64::total_cmp);
     let middle = |w: &[f64]| a + d * (0.5 * (w[0] + w[1]));
-    at.windows(2).filter(|w| w[1] > w[0] && inside(loops, &middle(w))).map(|w| [a + d * w[0], a + d * w[1]]).collect()
+    at.windows(2).filter(|w| w[1] > w[0] && inside.holds(&middle(w))).map(|w| [a + d * w[0], a + d * w[1]]).collect()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::{BBox, Vec3};
 /// Triangles in a leaf at most.
 const LEAF: usize = 4;
 
+#[derive(Debug)]
 struct Node {
     bounds: BBox,
     /// A leaf's triangles, by their range in the order; otherwise both children.
@@ -14,6 +15,7 @@ struct Node {
 }
 
 /// The tree. Triangles are handed in with every question, so that the tree does not own them.
+#[derive(Debug)]
 pub(crate) struct BoxTree {
     nodes: Vec<Node>,
     order: Vec<u32>,
@@ -110,7 +112,7 @@ impl BoxTree {
         let mut found: Vec<(f64, usize)> = Vec::with_capacity(wanted + 1);
         self.visit(x, f64::INFINITY, &mut |limit, i| {
             let d = distance(i);
-            if d >= limit {
+            if d.is_nan() || d >= limit {
                 return limit;
             }
             let place = found.partition_point(|f| f.0 <= d);

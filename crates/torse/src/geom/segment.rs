@@ -17,6 +17,13 @@ pub(crate) fn segment_distance([a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]) -> f64 {
     (w + u * s - v * t).norm()
 }
 
+/// Nearest point of a segment of the plane; its first end where it is a point.
+pub(crate) fn foot(p: &Vec2, q: &Vec2, x: &Vec2) -> Vec2 {
+    let d = q - p;
+    let s = d.dot(&(x - p)) / d.norm_squared();
+    p + d * if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
+}
+
 /// Whether two segments of the plane have the same ends within `near`, in either direction; `Some(true)` where they run against
 /// each other.
 pub(crate) fn same_segment(a: &[Vec2; 2], b: &[Vec2; 2], near: f64) -> Option<bool> {

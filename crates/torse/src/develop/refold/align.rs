@@ -1,9 +1,9 @@
 //! Outlines laid onto outlines: first by area, centre and axes of inertia, then by the nearest points.
 
-use super::drawn::{bounds, foot, sides};
+use super::drawn::bounds;
 use crate::develop::unfold::region::Motion;
-use crate::geom::box_tree::BoxTree;
-use crate::geom::{BBox, Vec2, Vec3};
+use crate::geom::outline::Outline;
+use crate::geom::Vec2;
 use nalgebra::Matrix2;
 
 /// Share of the size below which places have been found.
@@ -46,12 +46,9 @@ impl Moments {
     }
 }
 
-/// Moves polygons until given points lie on their sides as nearly as they can: the motion, and the root mean square of what
+/// Moves an outline until given points lie on its sides as nearly as they can: the motion, and the root mean square of what
 /// is left.
-pub(super) fn settled(loops: &[Vec<Vec2>], start: Motion, points: &[Vec<Vec2>], rounds: usize) -> (Motion, f64) {
-    let all: Vec<(Vec2, Vec2)> = sides(loops).collect();
-    let raised = |q: &Vec2| Vec3::new(q.x, q.y, 0.0);
-    let tree = BoxTree::new(all.len(), &|i| BBox::of_flat(&[all[i].0, all[i].1]));
+pub(super) fn settled(outline: &Outline, start: Motion, points: &[Vec<Vec2>], rounds: usize) -> (Motion, f64) {
     let mut motion = start;
     let mut left = f64::INFINITY;
     for _ in 0..rounds {
@@ -63,10 +60,8 @@ pub(super) fn settled(loops: &[Vec<Vec2>], start: Motion, points: &[Vec<Vec2>], 
             let [c, s] = motion.turn;
             let p = x - motion.shift;
             let own = Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x);
-            let on = |i: usize| foot(&all[i].0, &all[i].1, &own);
-            let Some((side, _)) = tree.nearest(&raised(&own), &|i| (on(i) - own).norm_squared()) else { continue };
-            let (f, along) = (on(side), all[side].1 - all[side].0);
-            let off = own - f;
+            let Some(([from, to], on)) = outline.nearest(&own) else { continue };
+            let (off, along) = (own - on, to - from);
             let n = off.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(|| Vec2::new(-along.y, along.x) / along.norm());
             let row = nalgebra::Vector3::new(n.x, n.y, own.perp(&n));
             normal += row * row.transpose();

@@ -8,7 +8,7 @@
 mod inverse;
 
 use super::align::{fitted, settled, Moments};
-use super::drawn::{area, bounds, distance, inside, sides, FlatPart};
+use super::drawn::{area, bounds, sides, FlatPart};
 use crate::brep::body::{oriented, Body};
 use crate::brep::face::Face;
 use crate::brep::project::refine;
@@ -19,8 +19,12 @@ use crate::develop::unfold::chart::Chart;
 use crate::develop::unfold::part::PlacedChart;
 use crate::develop::unfold::region::Motion;
 use crate::develop::unfold::tree::{unfold, Joins, UnfoldOptions};
+use crate::geom::box_tree::BoxTree;
+use crate::geom::inside::Inside;
+use crate::geom::outline::Outline;
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::spline::surface::Surface;
+use std::sync::{Arc, OnceLock};
 
 /// A panel as its file has it: a ruled patch and the region of its parameter plane.
 #[derive(Clone, Debug)]
@@ -51,8 +55,7 @@ pub struct PlacedPanel {
     pub panel: PanelPatch,
     map: Map,
     own: Motion,
-    /// The loops as polygons, and the box around the patch.
-    region: Vec<Vec<Vec2>>,
+    /// The box around the patch.
     bounds: BBox,
     /// Images of the loops, after everything.
     flat: Vec<Vec<Vec2>>,
@@ -61,10 +64,22 @@ pub struct PlacedPanel {
     places: Vec<Vec3>,
     /// Sides of the loops in pieces that are nearly straight in space.
     border: Vec<BorderPiece>,
+    /// What tells the nearest of both, and what lies within the loops; made when it is asked first.
+    index: Arc<OnceLock<Index>>,
+    /// The same of the images.
+    outline: Arc<OnceLock<Outline>>,
     /// By how much a place may lie beyond the patch and still be on it: ahead of and behind it in both parameters.
     slack: [[f64; 2]; 2],
     /// First and last parameter of the rulings that its loops reach.
     ends: [f64; 2],
+}
+
+/// The seeds and the pieces of the border of a panel in space, and its loops.
+#[derive(Debug)]
+struct Index {
+    places: BoxTree,
+    border: BoxTree,
+    region: Inside,
 }
 
 /// A piece of a panel's border: parameters and places of its ends.
@@ -116,6 +131,8 @@ pub struct Atlas {
     pub panels: Vec<PlacedPanel>,
     mirrored: bool,
     motion: Motion,
+    /// Diagonal (mm) of the box around the images of the panels.
+    size: f64,
     /// Largest distance (mm) between corners of the panels and those of the outline as drawn; of the outline's joints from
     /// the panels' sides where fewer than two corners fit.
     pub alignment: f64,
@@ -239,10 +256,10 @@ fn slack(surface: &Surface) -> [[f64; 2]; 2] {
 impl PlacedPanel {
     fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
         let slack = slack(&panel.surface);
-        let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
-        let (region, bounds) = (panel.loops.iter().map(polygon).collect(), panel.surface.bbox());
+        let bounds = panel.surface.bbox();
         let (flat, seeds, places, border) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut out = Self { panel, map, own, region, bounds, flat, seeds, places, border, slack, ends: [0.0; 2] };
+        let (index, outline, ends) = (Arc::default(), Arc::default(), [0.0; 2]);
+        let mut out = Self { panel, map, own, bounds, flat, seeds, places, border, index, outline, slack, ends };
         out.flat = out.images();
         out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -295,6 +312,28 @@ impl PlacedPanel {
         loops.flat_map(|l| (0..l.len()).flat_map(|k| side(l[k], l[(k + 1) % l.len()])).map(piece)).collect()
     }
 
+    fn index(&self) -> &Index {
+        let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect::<Vec<_>>();
+        self.index.get_or_init(|| Index {
+            places: BoxTree::new(self.places.len(), &|k| BBox::of(&self.places[k..=k])),
+            border: BoxTree::new(self.border.len(), &|k| BBox::of(&self.border[k].ends)),
+            region: Inside::of(&self.panel.loops.iter().map(polygon).collect::<Vec<_>>()),
+        })
+    }
+
+    /// Seeds from which the nearest place to a point is looked for.
+    fn near_seeds(&self, x: &Vec3) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let near = self.index().places.several(x, NEAREST_SEEDS, &|k| (self.places[k] - x).norm_squared());
+        near.into_iter().map(|k| self.seeds[k].0)
+    }
+
+    /// Places on the border that are near a point: parameters, and how far (mm).
+    fn near_border(&self, x: &Vec3) -> impl Iterator<Item = ([f64; 2], f64)> + '_ {
+        let near = self.index().border.several(x, NEAREST_PIECES, &|k| self.border[k].chord(x).1.powi(2));
+        let x = *x;
+        near.into_iter().map(move |k| self.border[k].nearest(&self.panel.surface, &x))
+    }
+
     /// Image before the whole is moved.
     fn own_flat(&self, uv: [f64; 2]) -> Vec2 {
         let p = match &self.map {
@@ -306,7 +345,7 @@ impl PlacedPanel {
     }
 
     fn contains(&self, uv: [f64; 2]) -> bool {
-        inside(&self.region, &Vec2::new(uv[0], uv[1]))
+        self.index().region.holds(&Vec2::new(uv[0], uv[1]))
     }
 }
 
@@ -403,19 +442,19 @@ impl Atlas {
     /// One panel where its development has laid it.
     pub(crate) fn mapped(panel: PanelPatch, map: Development) -> Self {
         let panels = vec![PlacedPanel::new(panel, Map::Developed(Box::new(map)), Motion::identity())];
-        Self { panels, mirrored: false, motion: Motion::identity(), alignment: 0.0 }
+        Self::lying(panels, 0.0)
     }
 
     /// A face by its parameters, for places in space alone.
     pub(crate) fn of_parameters(face: &Face) -> Self {
         let panels = vec![PlacedPanel::new(of_face(face), Map::Parameters, Motion::identity())];
-        Self { panels, mirrored: false, motion: Motion::identity(), alignment: 0.0 }
+        Self::lying(panels, 0.0)
     }
 
     fn of(panels: Vec<PlacedPanel>) -> Result<Self, AtlasError> {
         match panels.is_empty() {
             true => Err(AtlasError::Empty),
-            false => Ok(Self { panels, mirrored: false, motion: Motion::identity(), alignment: f64::NAN }),
+            false => Ok(Self::lying(panels, f64::NAN)),
         }
     }
 
@@ -447,18 +486,17 @@ impl Atlas {
     /// The place on the panels of a point of the drawing: on the panel whose region holds it, else on the nearest one.
     pub fn from_flat(&self, q: &Vec2) -> Option<OnPanel> {
         let own = self.moved_back(q);
-        let size = self.size();
-        let order = |s: &PlacedPanel| if inside(&s.flat, &own) { 0.0 } else { distance(&s.flat, &own) };
+        let order = |s: &PlacedPanel| s.outline.get_or_init(|| Outline::of(&s.flat)).off(&own);
         let mut near: Vec<(f64, usize)> = self.panels.iter().map(order).zip(0..).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (_, panel) = *near.first()?;
-        let (uv, off) = self.panels[panel].inverse(&own, size);
+        let (uv, off) = self.panels[panel].inverse(&own, self.size);
         Some(OnPanel { panel, uv, off })
     }
 
     /// Parameters on a panel of a point of the drawing, beyond its edges too.
     pub(crate) fn on_panel(&self, panel: usize, q: &Vec2) -> [f64; 2] {
-        self.panels[panel].inverse(&self.moved_back(q), self.size()).0
+        self.panels[panel].inverse(&self.moved_back(q), self.size).0
     }
 
     /// The place of a point in space near another one on the same panel; `None` where that lies beyond its edges.
@@ -482,12 +520,7 @@ impl Atlas {
             return 0.0;
         }
         let x = self.space(on);
-        let mut pieces: Vec<(f64, &BorderPiece)> = panel.border.iter().map(|p| (p.chord(&x).1, p)).collect();
-        let count = NEAREST_PIECES.min(pieces.len());
-        if count < pieces.len() {
-            pieces.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
-        }
-        pieces[..count].iter().map(|p| p.1.nearest(&panel.panel.surface, &x).1).fold(f64::INFINITY, f64::min)
+        panel.near_border(&x).map(|p| p.1).fold(f64::INFINITY, f64::min)
     }
 
     /// The nearest place on the panels of a point in space, within their edges.
@@ -507,44 +540,28 @@ impl Atlas {
                 break;
             }
             let s = &self.panels[panel];
-            let mut starts: Vec<(f64, usize)> = s.places.iter().map(|p| (p - x).norm_squared()).zip(0..).collect();
-            let count = NEAREST_SEEDS.min(starts.len());
-            if count < starts.len() {
-                starts.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
-            }
             let mut offer = |uv: [f64; 2], off: f64| {
                 if best.is_none_or(|b| off < b.off) {
                     best = Some(OnPanel { panel, uv, off });
                 }
             };
-            for (_, start) in &starts[..count] {
-                let at = refine(&s.panel.surface, x, s.seeds[*start].0);
+            for seed in s.near_seeds(x) {
+                let at = refine(&s.panel.surface, x, seed);
                 if s.contains(at.at) {
                     offer(at.at, at.distance);
                 }
             }
-            let mut pieces: Vec<(f64, &BorderPiece)> = s.border.iter().map(|p| (p.chord(x).1, p)).collect();
-            let count = NEAREST_PIECES.min(pieces.len());
-            if count < pieces.len() {
-                pieces.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
-            }
-            for (_, piece) in &pieces[..count] {
-                let (uv, off) = piece.nearest(&s.panel.surface, x);
-                offer(uv, off);
-            }
+            s.near_border(x).for_each(|(uv, off)| offer(uv, off));
         }
         best
     }
 
-    fn size(&self) -> f64 {
-        let (lo, hi) = self
-            .panels
-            .iter()
-            .map(|s| bounds(&s.flat))
-            .fold((Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)), |(l, h), (a, b)| {
-                (l.inf(&a), h.sup(&b))
-            });
-        (hi - lo).norm()
+    /// Panels as they lie.
+    fn lying(panels: Vec<PlacedPanel>, alignment: f64) -> Self {
+        let start = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
+        let boxes = panels.iter().map(|s| bounds(&s.flat));
+        let (lo, hi) = boxes.fold(start, |(l, h), (a, b)| (l.inf(&a), h.sup(&b)));
+        Self { panels, mirrored: false, motion: Motion::identity(), size: (hi - lo).norm(), alignment }
     }
 
     /// All ways to lay the panels onto an outline, the best first; mirror images and turns that fit as well are all there.
@@ -576,7 +593,7 @@ impl Atlas {
                     vec![sign; s.flat.len()]
                 })
                 .collect();
-            let here = Moments::of(&loops, &weights);
+            let (here, outline) = (Moments::of(&loops, &weights), Outline::of(&loops));
             let turns: Vec<f64> = if there.ratio > LONG {
                 vec![there.angle - here.angle, there.angle - here.angle + std::f64::consts::PI]
             } else {
@@ -590,7 +607,7 @@ impl Atlas {
             // A few steps tell the ways that are worth more.
             let mut tried: Vec<(f64, Motion)> = turns
                 .into_iter()
-                .map(|turn| settled(&loops, start(turn), &points, GLANCE))
+                .map(|turn| settled(&outline, start(turn), &points, GLANCE))
                 .map(|(motion, off)| (off, motion))
                 .collect();
             tried.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -605,9 +622,9 @@ impl Atlas {
                 }
             }
             for start in ways {
-                let (motion, fit) = settled(&loops, start, &points, ROUNDS);
+                let (motion, fit) = settled(&outline, start, &points, ROUNDS);
                 // Corners are exact, other points are on chords. But corners of a ring are on its circles anywhere.
-                let (motion, off) = if few { settled(&loops, motion, &part.joints, ROUNDS) } else { (motion, fit) };
+                let (motion, off) = if few { settled(&outline, motion, &part.joints, ROUNDS) } else { (motion, fit) };
                 found.push((fit.max(off), off, Self { mirrored, motion, alignment: off, ..self.clone() }));
             }
         }
@@ -642,7 +659,7 @@ impl Atlas {
     fn snap(&mut self, part: &FlatPart, near: f64) {
         let mut pairs: Vec<(Vec2, Vec2)> = Vec::new();
         let mut tips: Vec<(Vec2, Vec2)> = Vec::new();
-        let short = BESIDE_TIP * self.size();
+        let short = BESIDE_TIP * self.size;
         for s in &self.panels {
             let corners: Vec<Vec2> = s.panel.corners.iter().map(|uv| s.own_flat(*uv)).collect();
             let beside = |p: &Vec2| corners.iter().filter(|q| (*q - p).norm() <= short).count() > 1;

@@ -1,9 +1,10 @@
 //! How far a refolded part is from where it belongs, after the best rigid motion. Sampled; nothing is proven here.
 
 use super::atlas::{Atlas, OnPanel};
-use super::drawn::{bounds, inside, FlatPart};
+use super::drawn::{bounds, FlatPart};
 use super::leaf::Refolded;
 use crate::brep::project::refine;
+use crate::geom::inside::Inside;
 use crate::geom::placement::Placement;
 use crate::geom::{Vec2, Vec3};
 use crate::num::parallel;
@@ -34,7 +35,7 @@ const STEPS: usize = 5;
 pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
     let (lo, hi) = bounds(&part.loops);
     let whole: f64 = part.loops.iter().map(|l| super::drawn::area(l)).sum();
-    let step = (whole / SAMPLES as f64).sqrt();
+    let (inside, step) = (Inside::of(&part.loops), (whole / SAMPLES as f64).sqrt());
     let mut out: Vec<Vec2> = part.joints.iter().flatten().copied().collect();
     let count = |d: f64| ((d / step).floor() as usize).max(1);
     let (n, m) = (count(hi.x - lo.x), count(hi.y - lo.y));
@@ -45,7 +46,7 @@ pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
                     (hi.x - lo.x) * (i as f64 + 0.5) / (n + 1) as f64,
                     (hi.y - lo.y) * (j as f64 + 0.5) / (m + 1) as f64,
                 );
-            if inside(&part.loops, &q) {
+            if inside.holds(&q) {
                 out.push(q);
             }
         }

@@ -1,6 +1,7 @@
 //! Polygons with holes cut along chords.
 
-use super::drawn::{area, bounds, distance, foot, inside};
+use super::drawn::{area, bounds, distance, inside};
+use crate::geom::segment::foot;
 use crate::geom::Vec2;
 use std::f64::consts::TAU;
 

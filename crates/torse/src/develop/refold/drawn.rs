@@ -2,6 +2,7 @@
 
 use super::RefoldError;
 use crate::develop::unfold::allowance::Fibre;
+use crate::geom::segment::foot;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, BendSense};
 
@@ -136,13 +137,6 @@ pub(crate) fn inside(loops: &[Vec<Vec2>], x: &Vec2) -> bool {
 /// Distance of a point from the sides of polygons.
 pub fn distance(loops: &[Vec<Vec2>], x: &Vec2) -> f64 {
     sides(loops).map(|(p, q)| (x - foot(&p, &q, x)).norm()).fold(f64::INFINITY, f64::min)
-}
-
-/// Nearest point of a segment.
-pub(crate) fn foot(p: &Vec2, q: &Vec2, x: &Vec2) -> Vec2 {
-    let d = q - p;
-    let s = d.dot(&(x - p)) / d.norm_squared();
-    p + d * if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// Corners of the box around polygons.

@@ -45,7 +45,7 @@ pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
         Some(fibre) => skin(ribbon, fibre),
         None => ribbon,
     };
-    let leaf = Leaf { ribbon, loops: part.loops.clone() };
+    let leaf = Leaf::new(ribbon, part.loops.clone());
     Ok(Refolded { leaves: vec![leaf], disagreement, method })
 }
 
@@ -75,8 +75,7 @@ pub(super) fn rulings(part: &FlatPart, mut lines: Vec<Whole>) -> Result<(Ribbon,
 
 /// A part that is not bent.
 fn plane(part: &FlatPart) -> Refolded {
-    let leaf =
-        Leaf { ribbon: plane_ribbon(&part.loops, Pose::flat(Vec2::zeros(), Vec2::x())), loops: part.loops.clone() };
+    let leaf = Leaf::new(plane_ribbon(&part.loops, Pose::flat(Vec2::zeros(), Vec2::x())), part.loops.clone());
     Refolded { leaves: vec![leaf], disagreement: 0.0, method: "plane" }
 }
 

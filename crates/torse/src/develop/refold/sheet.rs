@@ -187,7 +187,7 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
             }
             Some(Put::Plane(frame)) => {
                 let loops = without_tips(to_edges(zones, edges, r), printed);
-                out.push(Leaf { ribbon: plane_ribbon(&loops, frame), loops });
+                out.push(Leaf::new(plane_ribbon(&loops, frame), loops));
             }
             Some(Put::Bent(mut ribbon, _)) => {
                 for s in &mut ribbon.spans {
@@ -198,7 +198,7 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
                     s.reach =
                         along.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |b, x| [b[0].min(*x), b[1].max(*x)]);
                 }
-                out.push(Leaf { ribbon, loops: r.loops.clone() });
+                out.push(Leaf::new(ribbon, r.loops.clone()));
             }
         }
     }

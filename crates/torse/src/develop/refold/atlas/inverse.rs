@@ -147,7 +147,7 @@ mod tests {
                 let own = placed.own_flat(uv);
                 let far = |s: &&([f64; 2], Vec2)| (s.1 - own).norm_squared();
                 let near = placed.seeds.iter().min_by(|a, b| far(a).total_cmp(&far(b))).expect("seeds");
-                let (first, off) = placed.followed(&own, near.0, (atlas.size(), MARGIN));
+                let (first, off) = placed.followed(&own, near.0, (atlas.size, MARGIN));
                 beyond += usize::from(off < 1e-9 && (first[0] < lo - 1e-3 || first[0] > hi + 1e-3));
             }
         }
