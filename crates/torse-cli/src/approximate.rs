@@ -10,7 +10,6 @@ use crate::wiring;
 use torse::answer::note::Note;
 use torse::certify::claim::Status;
 use torse::io::bundle;
-use torse::pipeline::deliver;
 use torse::pipeline::select::{offers, Selection};
 use torse::search::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::torse::rail::Rail;
@@ -69,9 +68,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     if arguments.cones {
         job.say("cones");
         let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, options.drawn, job.control())?;
-        let files = deliver::files(&mut cones, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))?;
-        let named = |name: String| if name == bundle::CONES { name } else { format!("cones-{name}") };
-        job.write(files.into_iter().map(|(name, bytes)| (named(name), bytes)).collect())?;
+        job.write_answer(&mut cones, |name| if name == bundle::CONES { name } else { format!("cones-{name}") })?;
         cones_hold = cones.status() == Status::Certified;
     }
     Ok(job.finish(&answer, &tolerance.text)? && cones_hold)

@@ -1,6 +1,7 @@
 //! What the user is told when a command cannot be done: one message, and what would help.
 
 use std::fmt;
+use torse::io::bundle::BundleError;
 
 /// A refusal in plain words.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +21,13 @@ impl Failure {
     /// A fault of the program.
     pub fn fault(e: &dyn std::error::Error) -> Self {
         Self::new(e.to_string(), "this is a fault of the program; please report it with the input")
+    }
+}
+
+/// Files that cannot be made.
+impl From<BundleError> for Failure {
+    fn from(e: BundleError) -> Self {
+        Self::fault(&e)
     }
 }
 

@@ -95,7 +95,12 @@ impl<'a> Job<'a> {
             };
             Failure::new(e.to_string(), help)
         })?;
-        self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))?)
+        self.write_answer(answer, |name| name)
+    }
+
+    /// Writes the files of an answer, which are judged with it, each under the name that `named` gives it.
+    pub fn write_answer(&self, answer: &mut Answer, named: impl Fn(String) -> String) -> Result<(), Failure> {
+        deliver::each_file(answer, &crate::clock::stamp(), &mut |(name, bytes)| self.output.write(&named(name), &bytes))
     }
 
     /// Moves the folder into place and tells the result; `Ok(true)` means certified.

@@ -22,8 +22,7 @@ fn half_readable() -> (String, u64) {
     let header = Header { name: "plates".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
     let plates = [plate(100.0, 0.0), plate(1000.0, 50.0)];
     let named: Vec<Shell> = plates.iter().enumerate().map(|(k, s)| Shell::untrimmed(&format!("P{k}"), s)).collect();
-    let mut out = Vec::new();
-    shells(&mut out, &header, &named).expect("written");
+    let out = shells(&header, &named).expect("written");
     let text = String::from_utf8(out).expect("text");
     let line = text.lines().filter(|l| l.contains("ADVANCED_FACE")).nth(1).expect("a second face").to_string();
     let entity = line[1..line.find('=').expect("a number")].parse().expect("a number");

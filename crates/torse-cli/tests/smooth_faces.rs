@@ -22,9 +22,7 @@ fn bowl() -> Surface {
 fn step(patches: &[Surface]) -> Vec<u8> {
     let header = Header { name: "bowl".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
     let named: Vec<Shell> = patches.iter().enumerate().map(|(k, s)| Shell::untrimmed(&format!("P{k}"), s)).collect();
-    let mut out = Vec::new();
-    shells(&mut out, &header, &named).expect("written");
-    out
+    shells(&header, &named).expect("written")
 }
 
 /// Exit status and report of a run.

@@ -5,7 +5,6 @@
 //! stand in rows of 100. Lengths in mm.
 
 use std::error::Error;
-use std::io::{BufWriter, Write as _};
 
 use torse::geom::Vec3;
 use torse::io::step::write::{self, Header, Shell};
@@ -29,9 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|k| panel(k, count).map(|s| Shell::untrimmed(&format!("P-{:05}", k + 1), &s)))
         .collect::<Result<_, _>>()?;
     let header = Header { name: "facade".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
-    let mut file = BufWriter::new(std::fs::File::create(path)?);
-    write::shells(&mut file, &header, &sheets)?;
-    file.flush()?;
+    std::fs::write(path, write::shells(&header, &sheets)?)?;
     Ok(())
 }
 

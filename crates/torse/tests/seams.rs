@@ -40,9 +40,8 @@ fn alone() -> &'static Answer {
 
 /// The STEP file of panels.
 fn step_file(answer: &Answer) -> String {
-    let mut bytes = Vec::new();
     let header = Header { name: "panels".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
-    panels(&mut bytes, &header, answer.patchwork(), &[]).expect("a file");
+    let bytes = panels(&header, answer.patchwork(), &[]).expect("a file");
     String::from_utf8(bytes).expect("text")
 }
 

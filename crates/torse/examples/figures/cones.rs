@@ -179,9 +179,7 @@ pub fn draw(folder: &Path) -> Result<()> {
     bending(&folder.join("fig17_bending.png"), &circular)?;
     let pattern = cone_pattern(&circular, "A", 1e-4);
     let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }], &[], &DrawingOptions::default());
-    let mut bytes = Vec::new();
-    dxf::write(&mut bytes, &flat)?;
-    std::fs::write(folder.join("fig17_flat.dxf"), bytes)?;
+    std::fs::write(folder.join("fig17_flat.dxf"), dxf::write(&flat)?)?;
     let (_, step) = exact(
         "cones.step",
         "three pairs",

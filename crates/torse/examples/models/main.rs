@@ -27,8 +27,7 @@ fn main() -> Outcome<()> {
     };
     for (name, sheet) in models()? {
         let header = Header { name: name.into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-4 };
-        let mut text = Vec::new();
-        write::shells(&mut text, &header, &[sheet])?;
+        let text = write::shells(&header, &[sheet])?;
         fs::write(Path::new(&folder).join(format!("{name}.step")), text)?;
     }
     Ok(())

@@ -8,6 +8,7 @@
 
 use super::map::Development;
 use crate::geom::inside::Inside;
+use crate::geom::polygon::area;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::panel::{Border, Coedge};
@@ -266,12 +267,6 @@ pub(super) fn closed_walks(mut next: HashMap<usize, Vec<usize>>) -> Vec<Vec<usiz
     }
     out.retain(|w| w.len() > 2);
     out
-}
-
-pub(crate) fn area(polygon: &[Vec2]) -> f64 {
-    let n = polygon.len();
-    let Some(o) = polygon.first() else { return 0.0 };
-    (0..n).map(|k| 0.5 * (polygon[k] - o).perp(&(polygon[(k + 1) % n] - o))).sum()
 }
 
 /// A polygon without the corners that lie within `off` of the line between those kept, see [`needed`].

@@ -1,5 +1,6 @@
 //! Flat patterns as polylines on the sheet, for pictures. Cutting files keep the arcs; this does not.
 
+use crate::geom::polygon::{distance, inside};
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, Contour, MarkLine, Pattern, ViewSide};
 
@@ -136,32 +137,15 @@ fn roomy_place(outlines: &[Vec<Vec2>]) -> (Vec2, f64) {
 
 /// Distance from `p` to the outlines; 0 outside (even-odd).
 fn depth_inside(outlines: &[Vec<Vec2>], p: Vec2) -> f64 {
-    if !inside(outlines, p) {
+    if !inside(outlines, &p) {
         return 0.0;
     }
-    let distance = |(a, b): (Vec2, Vec2)| {
-        let d = b - a;
-        let t = if d.norm_squared() > 0.0 { ((p - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
-        (a + d * t - p).norm()
-    };
-    let least = sides(outlines).map(distance).fold(f64::INFINITY, f64::min);
+    let least = distance(outlines, &p);
     if least.is_finite() {
         least
     } else {
         0.0
     }
-}
-
-/// Whether a point lies inside outlines (even-odd).
-pub(super) fn inside(outlines: &[Vec<Vec2>], p: Vec2) -> bool {
-    let crossed =
-        |(a, b): &(Vec2, Vec2)| (a.y <= p.y) != (b.y <= p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
-    sides(outlines).filter(crossed).count() % 2 == 1
-}
-
-/// Sides of closed outlines.
-fn sides(outlines: &[Vec<Vec2>]) -> impl Iterator<Item = (Vec2, Vec2)> + '_ {
-    outlines.iter().flat_map(|o| (0..o.len()).map(|i| (o[i], o[(i + 1) % o.len()])))
 }
 
 #[cfg(test)]

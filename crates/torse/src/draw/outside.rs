@@ -3,10 +3,10 @@
 //! Places are tried as those of all letters of drawings are, see [`super::labels`]: from points of the outline outwards, the
 //! nearest first, and the first free one is taken.
 
-use super::flat;
 use super::labels::{Labels, TextPlace};
 use super::stroke_font;
 use crate::geom::box_tree::BoxTree;
+use crate::geom::polygon::inside;
 use crate::geom::{BBox, Vec2};
 
 /// A part whose name has no room on it.
@@ -111,7 +111,7 @@ impl NamedDrawing<'_> {
 
     /// Whether a point lies on any part.
     fn is_on_part(&self, p: &Vec2) -> bool {
-        self.parts.any_meeting(&BBox::of_flat([p]), &mut |k| flat::inside(&self.outlines[k], *p))
+        self.parts.any_meeting(&BBox::of_flat([p]), &mut |k| inside(&self.outlines[k], p))
     }
 }
 

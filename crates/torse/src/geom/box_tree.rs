@@ -5,7 +5,7 @@ use super::{BBox, Vec3};
 /// Triangles in a leaf at most.
 const LEAF: usize = 4;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Node {
     bounds: BBox,
     /// A leaf's triangles, by their range in the order; otherwise both children.
@@ -15,7 +15,7 @@ struct Node {
 }
 
 /// The tree. Triangles are handed in with every question, so that the tree does not own them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct BoxTree {
     nodes: Vec<Node>,
     order: Vec<u32>,

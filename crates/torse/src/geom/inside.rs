@@ -1,5 +1,6 @@
 //! Which points lie inside polygons, for many points: sides are found by their heights.
 
+use super::polygon::{crosses, sides};
 use super::Vec2;
 
 /// Sides in a row of heights, about.
@@ -8,27 +9,21 @@ const IN_ROW: usize = 4;
 const ROWS: usize = 512;
 
 /// Polygons for the even-odd rule.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Inside {
     low: f64,
     step: f64,
     /// Sides row by row; one that passes several is in each of them.
-    sides: Vec<[Vec2; 2]>,
+    sides: Vec<(Vec2, Vec2)>,
     /// Where every row begins, and the last one ends.
     starts: Vec<usize>,
 }
 
-/// Sides of closed polygons.
-pub(super) fn sides<'a>(polygons: impl IntoIterator<Item = &'a Vec<Vec2>>) -> Vec<[Vec2; 2]> {
-    let of = |l: &'a Vec<Vec2>| (0..l.len()).map(|k| [l[k], l[(k + 1) % l.len()]]);
-    polygons.into_iter().flat_map(of).collect()
-}
-
 impl Inside {
     /// Closed polygons: the last corner is joined to the first.
-    pub fn of<'a>(polygons: impl IntoIterator<Item = &'a Vec<Vec2>>) -> Self {
-        let all = sides(polygons);
-        let heights = || all.iter().flatten().map(|p| p.y);
+    pub fn of<'a>(polygons: impl IntoIterator<Item = &'a Vec<Vec2>, IntoIter: 'a>) -> Self {
+        let all: Vec<(Vec2, Vec2)> = sides(polygons).collect();
+        let heights = || all.iter().map(|side| side.0.y);
         let (low, high) = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
         let count = (all.len() / IN_ROW).clamp(1, ROWS);
         let mut out = Self {
@@ -37,9 +32,9 @@ impl Inside {
             sides: vec![],
             starts: vec![0; count + 1],
         };
-        let mut rows: Vec<Vec<[Vec2; 2]>> = vec![Vec::new(); count];
+        let mut rows: Vec<Vec<(Vec2, Vec2)>> = vec![Vec::new(); count];
         for side in all {
-            let [a, b] = side.map(|p| out.row(p.y));
+            let [a, b] = [side.0, side.1].map(|p| out.row(p.y));
             rows[a.min(b)..=a.max(b)].iter_mut().for_each(|r| r.push(side));
         }
         for (k, row) in rows.into_iter().enumerate() {
@@ -56,15 +51,14 @@ impl Inside {
     /// Whether a point lies inside.
     pub fn holds(&self, x: &Vec2) -> bool {
         let row = self.row(x.y);
-        let crossed =
-            |[p, q]: &&[Vec2; 2]| (p.y > x.y) != (q.y > x.y) && x.x < p.x + (q.x - p.x) * (x.y - p.y) / (q.y - p.y);
-        self.sides[self.starts[row]..self.starts[row + 1]].iter().filter(crossed).count() % 2 == 1
+        self.sides[self.starts[row]..self.starts[row + 1]].iter().filter(|s| crosses(s, x)).count() % 2 == 1
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::polygon;
 
     #[test]
     fn rows_tell_what_all_sides_tell() {
@@ -77,20 +71,10 @@ mod tests {
         let flat = vec![Vec2::new(0.0, 9.0), Vec2::new(4.0, 9.0)];
         let all = [ring(10.0, 3000), ring(4.0, 50), ring(1.0, 3), flat, Vec::new()];
         let inside = Inside::of(&all);
-        let crossings = |x: &Vec2| {
-            let of = |l: &Vec<Vec2>| {
-                let passes = |k: &usize| {
-                    let (p, q) = (l[*k], l[(k + 1) % l.len()]);
-                    (p.y > x.y) != (q.y > x.y) && x.x < p.x + (q.x - p.x) * (x.y - p.y) / (q.y - p.y)
-                };
-                (0..l.len()).filter(passes).count()
-            };
-            all.iter().map(of).sum::<usize>()
-        };
         let mut held = 0;
         for k in 0..4000 {
             let x = Vec2::new((0.37 * f64::from(k)).sin(), (0.73 * f64::from(k)).cos()) * 15.0;
-            assert_eq!(inside.holds(&x), crossings(&x) % 2 == 1, "{x}");
+            assert_eq!(inside.holds(&x), polygon::inside(&all, &x), "{x}");
             held += usize::from(inside.holds(&x));
         }
         assert!((500..3500).contains(&held), "{held}");

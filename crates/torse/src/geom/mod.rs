@@ -12,6 +12,7 @@ pub mod mesh;
 pub(crate) mod outline;
 pub(crate) mod outward;
 pub mod placement;
+pub(crate) mod polygon;
 pub(crate) mod rectangle;
 pub(crate) mod segment;
 pub mod unit;

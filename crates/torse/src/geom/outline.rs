@@ -1,12 +1,13 @@
 //! Outlines of which many points are asked where they lie: sides are found by where they are.
 
 use super::box_tree::BoxTree;
-use super::inside::{sides, Inside};
+use super::inside::Inside;
+use super::polygon::sides;
 use super::segment::foot;
 use super::{BBox, Vec2, Vec3};
 
 /// Closed polygons.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Outline {
     sides: Vec<[Vec2; 2]>,
     tree: BoxTree,
@@ -16,7 +17,7 @@ pub(crate) struct Outline {
 impl Outline {
     /// Of polygons whose last corner is joined to the first.
     pub fn of(loops: &[Vec<Vec2>]) -> Self {
-        let all = sides(loops);
+        let all: Vec<[Vec2; 2]> = sides(loops).map(|(p, q)| [p, q]).collect();
         let boxes: Vec<BBox> = all.iter().map(BBox::of_flat).collect();
         let tree = BoxTree::new(all.len(), &|k| boxes[k]);
         Self { sides: all, tree, inside: Inside::of(loops) }
@@ -57,6 +58,7 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::polygon::distance;
 
     #[test]
     fn sides_are_as_near_as_among_all() {
@@ -68,7 +70,7 @@ mod tests {
         let outline = Outline::of(&loops);
         for k in 0..500 {
             let x = Vec2::new((0.37 * f64::from(k)).sin(), (0.73 * f64::from(k)).cos()) * 25.0;
-            let far = sides(&loops).iter().map(|[p, q]| (x - foot(p, q, &x)).norm()).fold(f64::INFINITY, f64::min);
+            let far = distance(&loops, &x);
             let (side, on) = outline.nearest(&x).expect("a side");
             assert!(((x - on).norm() - far).abs() < 1e-12 && (foot(&side[0], &side[1], &x) - on).norm() == 0.0);
             assert!(outline.any_within(&x, far + 1e-9) && !outline.any_within(&x, far - 1e-9));

@@ -34,6 +34,14 @@ impl LengthUnit {
     pub fn of(self, mm: f64) -> f64 {
         mm / self.mm()
     }
+
+    /// Decimals that are as fine as so many of millimetres, or finer.
+    pub(crate) fn decimals(self, of_mm: usize) -> usize {
+        match self {
+            Self::Millimetre => of_mm,
+            Self::Inch => of_mm + 2,
+        }
+    }
 }
 
 /// A unit of length that files may name.

@@ -1,4 +1,4 @@
-//! All files of an answer, in memory: nothing reaches a disk before everything is made.
+//! All files of an answer.
 
 use super::cloud::ply;
 use super::glb::{self, GlbError};
@@ -62,12 +62,17 @@ pub const CONES: &str = "cones.step";
 /// Least uncertainty written into STEP headers, mm: below it CAD systems take edges for open.
 const LEAST_UNCERTAINTY: f64 = 1e-6;
 
-/// Makes every file, on all cores: those of [`geometry`] and of `with_reports`.
+/// Makes every file, on all cores: those of [`geometry`] and of `reports`.
 ///
 /// # Errors
 /// Data that a format cannot hold.
 pub fn files(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
-    with_reports(answer, shown, geometry(answer, shown, time)?)
+    let mut out = geometry(answer, shown, time)?;
+    reports(answer, shown, &mut |file| {
+        out.push(file);
+        Ok::<(), BundleError>(())
+    })?;
+    Ok(out)
 }
 
 /// The files that hold geometry: panels for CAD, drawings for the cutter. `time` stamps the STEP header:
@@ -87,12 +92,12 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
     };
     let cad = || match &answer.cones {
         Some(cones) => exact(CONES, &answer.input, &cones.bodies, shown.marks.any(), time),
-        None => text(PANELS, |b| step::panels(b, &header, &answer.patchwork, &shown.marks.panels)),
+        None => file(PANELS, step::panels(&header, &answer.patchwork, &shown.marks.panels)),
     };
     let (step, (dxf, svg)) = parallel::join(cad, || {
         parallel::join(
-            || text("patterns.dxf", |b| dxf::write(b, &shown.drawing)),
-            || text("patterns.svg", |b| svg::write(b, &shown.drawing)),
+            || file("patterns.dxf", dxf::write(&shown.drawing)),
+            || file("patterns.svg", svg::write(&shown.drawing)),
         )
     });
     // Nothing of these strips lies flat.
@@ -103,7 +108,7 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
     }
     let names = part_files(shown.alone.iter().map(|(part, _)| part.as_str()));
     for (name, (_, drawing)) in names.into_iter().zip(&shown.alone) {
-        let (_, bytes) = text("patterns.dxf", |b| dxf::write(b, drawing))?;
+        let (_, bytes) = file("patterns.dxf", dxf::write(drawing))?;
         out.push((name, bytes));
     }
     Ok(out)
@@ -122,7 +127,7 @@ fn offset_file(offsets: &OffsetFile, shown: &Presentation, header: &Header) -> R
         }
     };
     let shells: Vec<Shell> = offsets.panels.iter().map(shell).collect();
-    text(offsets.side.file(), |b| step::shells(b, &header, &shells))
+    file(offsets.side.file(), step::shells(&header, &shells))
 }
 
 /// The panels in further formats: copies of [`PANELS`], or of [`CONES`] as splines.
@@ -155,34 +160,39 @@ pub(crate) fn part_files<'a>(parts: impl Iterator<Item = &'a str>) -> Vec<String
     parts.map(&mut named).collect()
 }
 
-/// Adds bend table, list of parts, pictures, model, points and reports to the files of [`geometry`].
+/// Hands over bend table, list of parts, pictures, model, points and reports, one by one.
 ///
 /// # Errors
-/// As [`files`].
-pub(crate) fn with_reports(
+/// As [`files`], and those of `take`.
+pub(crate) fn reports<E: From<BundleError>>(
     answer: &Answer,
     shown: &Presentation,
-    mut out: Vec<File>,
-) -> Result<Vec<File>, BundleError> {
+    take: &mut dyn FnMut(File) -> Result<(), E>,
+) -> Result<(), E> {
     let report = Report::of(answer, shown);
-    let pictures = Pictures::of(answer, shown, &report)?;
+    let pictures = Pictures::of(answer, shown, &report).map_err(BundleError::from)?;
     let limit = answer.colour_limit();
-    out.push(("model.glb".into(), glb::write(&shown.scene, limit)?));
+    take(("model.glb".into(), glb::write(&shown.scene, limit).map_err(BundleError::from)?))?;
     if shown.stages.len() > 1 {
-        out.extend(motion("moves", &shown.stages, &shown.direction)?);
+        motion("moves", &shown.stages, &shown.direction)?.into_iter().try_for_each(&mut *take)?;
     }
     if !answer.points.places.is_empty() {
         let (places, values) = (&answer.points.places, &answer.points.values);
-        out.push(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)));
+        take(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)))?;
     }
     let unit = answer.cut.unit;
-    out.extend(bends::csv(&answer.patterns, unit).map(|b| ("bends.csv".into(), b)));
-    out.extend(bend_table::csv(answer, unit).map(|b| ("bend_table.csv".into(), b)));
-    out.extend(shop_tables::roll(answer, unit).map(|b| ("roll_table.csv".into(), b)));
-    out.extend(shop_tables::facets(answer, unit).map(|b| ("facets.csv".into(), b)));
-    out.extend(shop_tables::bevels(answer, unit).map(|b| ("bevels.csv".into(), b)));
-    out.extend(shop_tables::joints(answer, unit).map(|b| ("joints.csv".into(), b)));
-    out.extend(parts::csv(&report, &answer.patterns, unit).map(|b| ("parts.csv".into(), b)));
+    let tables = [
+        ("bends.csv", bends::csv(&answer.patterns, unit)),
+        ("bend_table.csv", bend_table::csv(answer, unit)),
+        ("roll_table.csv", shop_tables::roll(answer, unit)),
+        ("facets.csv", shop_tables::facets(answer, unit)),
+        ("bevels.csv", shop_tables::bevels(answer, unit)),
+        ("joints.csv", shop_tables::joints(answer, unit)),
+        ("parts.csv", parts::csv(&report, &answer.patterns, unit)),
+    ];
+    for (name, table) in tables {
+        table.map_or(Ok(()), |bytes| take((name.into(), bytes)))?;
+    }
     let page = html::write(&Page {
         report: &report,
         job: answer.job,
@@ -190,11 +200,10 @@ pub(crate) fn with_reports(
         limit,
         shown,
         pictures: &pictures,
-    })?;
-    out.push(("report.html".into(), page.into_bytes()));
-    out.push(("report.json".into(), report.to_json()?.into_bytes()));
-    out.extend(pictures.files());
-    Ok(out)
+    });
+    take(("report.html".into(), page.map_err(BundleError::from)?.into_bytes()))?;
+    take(("report.json".into(), report.to_json().map_err(BundleError::from)?.into_bytes()))?;
+    pictures.files().into_iter().try_for_each(take)
 }
 
 /// bending.glb, an animation, and bending.png, a strip of pictures, from stages with their captions; `eye` points
@@ -250,14 +259,12 @@ pub fn exact(
         })
         .map(|s| if marked { s.marked() } else { s })
         .collect();
-    text(file, |b| step::shells(b, &header, &bodies))
+    self::file(file, step::shells(&header, &bodies))
 }
 
-/// A file that is written line by line.
-fn text(file: &'static str, write: impl Fn(&mut Vec<u8>) -> std::io::Result<()>) -> Result<File, BundleError> {
-    let mut bytes = Vec::new();
-    write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
-    Ok((file.to_owned(), bytes))
+/// A file of what its writer made.
+fn file(name: &'static str, bytes: std::io::Result<Vec<u8>>) -> Result<File, BundleError> {
+    bytes.map(|bytes| (name.to_owned(), bytes)).map_err(|source| BundleError::Write { file: name, source })
 }
 
 #[cfg(test)]

@@ -10,23 +10,22 @@ use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenJoint, Writte
 /// # Errors
 /// In plain words, with the entity's handle: what the writer would not write.
 pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
-    let groups = groups(bytes)?;
-    let unit = groups.iter().position(|g| *g == (9, "$INSUNITS")).and_then(|k| groups.get(k + 1));
-    let unit = match unit {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    let unit = match unit(text)? {
         Some((70, "4")) => LengthUnit::Millimetre,
         Some((70, "1")) => LengthUnit::Inch,
         _ => return Err("the unit is neither the millimetre nor the inch".into()),
     };
-    if groups.last() != Some(&(0, "EOF")) {
-        return Err("it is cut short".into());
-    }
-    if !groups.contains(&SECTION) {
-        return Err("there are no entities".into());
-    }
     let mut out: Vec<WrittenPiece> = Vec::new();
-    for e in entities(&groups).filter(|e| !is_beside(e)) {
+    let sections = each_entity(text, |e| {
+        if is_beside(e) {
+            return Ok(());
+        }
         extruded(e)?;
-        entity(e, &mut out)?;
+        entity(e, &mut out)
+    })?;
+    if sections == 0 {
+        return Err("there are no entities".into());
     }
     out.iter_mut().for_each(|p| p.unit = unit);
     Ok(out)
@@ -35,38 +34,62 @@ pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
 /// The first entity of a DXF drawing that another program turned over or tilted: it has a direction of extrusion other than
 /// +z, and its coordinates are not those of the drawing. In plain words, with the entity's handle.
 pub(crate) fn turned_over(bytes: &[u8]) -> Option<String> {
+    let mut found = None;
+    let ask = |e: &[(u32, &str)]| {
+        if !is_beside(e) {
+            extruded(e).inspect_err(|told| found = Some(told.clone()))?;
+        }
+        Ok(())
+    };
     // What is no drawing at all is told by `dxf`.
-    let groups = groups(bytes).ok()?;
-    let mut own = entities(&groups).filter(|e| !is_beside(e));
-    own.find_map(|e| extruded(e).err())
+    _ = each_entity(std::str::from_utf8(bytes).ok()?, ask);
+    found
 }
 
-/// Group codes and values of a DXF file.
-fn groups(bytes: &[u8]) -> Result<Vec<(u32, &str)>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+/// Group codes and values of a DXF file, one after the other: files of many parts have millions.
+fn groups(text: &str) -> impl Iterator<Item = Result<(u32, &str), String>> {
     let mut lines = text.lines();
-    let mut groups: Vec<(u32, &str)> = Vec::new();
-    while let Some(code) = lines.next() {
-        let code = code.trim().parse().map_err(|_| format!("'{code}' is not a group code"))?;
-        groups.push((code, lines.next().ok_or("the last group has no value")?.trim()));
-    }
-    Ok(groups)
+    std::iter::from_fn(move || {
+        let code = lines.next()?.trim();
+        let Some(value) = lines.next() else { return Some(Err("the last group has no value".into())) };
+        Some(code.parse().map(|code| (code, value.trim())).map_err(|_| format!("'{code}' is not a group code")))
+    })
 }
 
 /// How the section of the entities begins.
 const SECTION: (u32, &str) = (2, "ENTITIES");
 
-/// The groups of each entity.
-fn entities<'a, 'b>(groups: &'a [(u32, &'b str)]) -> impl Iterator<Item = &'a [(u32, &'b str)]> {
-    let start = groups.iter().position(|g| *g == SECTION).map_or(groups.len(), |k| k + 1);
-    let end = (start..groups.len()).find(|k| groups[*k] == (0, "ENDSEC")).unwrap_or(groups.len());
-    let mut rest = &groups[start..end];
-    std::iter::from_fn(move || {
-        let next = (1..rest.len()).find(|k| rest[*k].0 == 0).unwrap_or(rest.len());
-        let (entity, behind) = rest.split_at(next);
-        rest = behind;
-        (!entity.is_empty()).then_some(entity)
-    })
+/// The group that tells the unit.
+fn unit(text: &str) -> Result<Option<(u32, &str)>, String> {
+    let mut all = groups(text).skip_while(|g| g.as_ref().is_ok_and(|g| *g != (9, "$INSUNITS")));
+    all.next().transpose()?;
+    all.next().transpose()
+}
+
+/// Hands over the groups of each entity; returns how many sections of entities there are.
+fn each_entity(text: &str, mut take: impl FnMut(&[(u32, &str)]) -> Result<(), String>) -> Result<usize, String> {
+    let mut sections = 0;
+    let mut is_within = false;
+    let mut entity: Vec<(u32, &str)> = Vec::new();
+    let mut last = None;
+    for group in groups(text) {
+        let group = group?;
+        if is_within && group.0 == 0 && !entity.is_empty() {
+            take(&entity)?;
+            entity.clear();
+        }
+        match group {
+            (0, "ENDSEC") => is_within = false,
+            SECTION if !is_within => (is_within, sections) = (sections == 0, sections + 1),
+            _ if is_within => entity.push(group),
+            _ => {}
+        }
+        last = Some(group);
+    }
+    if is_within || last != Some((0, "EOF")) {
+        return Err("it is cut short".into());
+    }
+    Ok(sections)
 }
 
 /// Whether an entity is no part of the pieces: words, and the square by which scales are checked.
@@ -379,9 +402,8 @@ mod tests {
             ..Pattern::default()
         };
         let drawn = drawing(std::slice::from_ref(&pattern), &[], &[], &DrawingOptions::default());
-        let (mut a, mut b) = (Vec::new(), Vec::new());
-        dxf_writer::write(&mut a, &drawn).expect("DXF");
-        svg_writer::write(&mut b, &drawn).expect("SVG");
+        let a = dxf_writer::write(&drawn).expect("DXF");
+        let b = svg_writer::write(&drawn).expect("SVG");
         for pieces in [dxf(&a).expect("DXF"), svg(&b).expect("SVG")] {
             let found = compared(std::slice::from_ref(&pattern), &pieces);
             assert!(found.reason().is_none() && found.bound() < 1e-5, "{:?} {}", found.reason(), found.bound());

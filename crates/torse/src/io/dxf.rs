@@ -47,6 +47,8 @@ const SECTION: &str = "MARK_SECTION";
 /// Curves of the model that lie on the part.
 const CURVE: &str = "MARK_CURVE";
 const TEXT: &str = "TEXT";
+/// Decimals of millimetres in letters.
+const LETTERS: usize = 3;
 /// The test square.
 const SCALE: &str = "SCALE_CHECK";
 /// Everything of parts that must not be cut: nothing of them is on a layer that a machine follows.
@@ -75,12 +77,13 @@ mod handle {
     pub const FIRST_FREE: u32 = 0x30;
 }
 
-/// Writes a drawing.
+/// The file of a drawing.
 ///
 /// # Errors
-/// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
-pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
+/// A coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
+pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
     let mut body = Pairs { unit: drawing.unit, ..Pairs::default() };
+    let seed = header(&mut body, drawing);
     tables(&mut body);
     blocks(&mut body);
     body.section("ENTITIES");
@@ -112,13 +115,13 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
             body.marked(on(CURVE), line);
         }
         for stroke in &piece.text {
-            body.polyline(on(TEXT), false, stroke.iter().map(|p| (*p, 0.0)));
+            body.stroke(on(TEXT), stroke);
         }
     }
     if let Some(square) = &drawing.test_square {
         body.polyline(SCALE, true, square.corners.iter().map(|p| (*p, 0.0)));
         for stroke in &square.text {
-            body.polyline(SCALE, false, stroke.iter().map(|p| (*p, 0.0)));
+            body.stroke(SCALE, stroke);
         }
     }
     body.pair(0, "ENDSEC");
@@ -128,10 +131,8 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
     }
     // The header comes first but names the first handle that is still free.
-    let mut head = Pairs::default();
-    header(&mut head, drawing, body.next);
-    out.write_all(head.text.as_bytes())?;
-    out.write_all(body.text.as_bytes())
+    body.text.insert_str(seed, &format!("{:X}", body.next));
+    Ok(body.text.into_bytes())
 }
 
 /// Pairs of group code and value, two lines each.
@@ -164,16 +165,27 @@ impl Pairs {
         self.pair(code, format_args!("{handle:X}"));
     }
 
-    /// A real number to a millionth of a micrometre, without idle zeros.
+    /// A real number to a millionth of a micrometre.
     fn real(&mut self, code: u32, x: f64) {
+        self.rounded(code, x, 9);
+    }
+
+    /// A real number to as many decimals at most, without idle zeros.
+    fn rounded(&mut self, code: u32, x: f64, decimals: usize) {
         self.finite &= x.is_finite();
-        let mut s = format!("{x:.9}");
-        let keep = s.trim_end_matches('0').len();
-        s.truncate(keep);
-        if s.ends_with('.') {
-            s.push('0');
+        // Writing to a string cannot fail.
+        _ = writeln!(self.text, "{code:3}");
+        let start = self.text.len();
+        _ = write!(self.text, "{x:.decimals$}");
+        let keep = self.text.trim_end_matches('0').len();
+        self.text.truncate(keep);
+        if self.text.ends_with('.') {
+            self.text.push('0');
         }
-        self.pair(code, if s == "-0.0" { "0.0" } else { &s });
+        if &self.text[start..] == "-0.0" {
+            self.text.remove(start);
+        }
+        self.text.push('\n');
     }
 
     /// Bulges need more digits: an arc's height is the bulge times half its chord, which may be metres.
@@ -262,17 +274,32 @@ impl Pairs {
         }
     }
 
-    fn polyline(&mut self, layer: &str, closed: bool, vertices: impl ExactSizeIterator<Item = (Vec2, f64)>) {
+    /// Head of a polyline of so many vertices.
+    fn head(&mut self, layer: &str, closed: bool, count: usize) {
         self.entity("LWPOLYLINE", layer, "AcDbPolyline");
-        self.integer(90, vertices.len());
+        self.integer(90, count);
         self.integer(70, usize::from(closed));
         self.real(43, 0.0);
+    }
+
+    fn polyline(&mut self, layer: &str, closed: bool, vertices: impl ExactSizeIterator<Item = (Vec2, f64)>) {
+        self.head(layer, closed, vertices.len());
         for (p, bulge) in vertices {
             let p = p / self.unit.mm();
             self.point(10, p.x, p.y);
             if bulge != 0.0 {
                 self.bulge(bulge);
             }
+        }
+    }
+
+    /// Part of a letter.
+    fn stroke(&mut self, layer: &str, points: &[Vec2]) {
+        self.head(layer, false, points.len());
+        let decimals = self.unit.decimals(LETTERS);
+        for p in points {
+            self.rounded(10, self.unit.of(p.x), decimals);
+            self.rounded(20, self.unit.of(p.y), decimals);
         }
     }
 
@@ -293,16 +320,17 @@ impl Pairs {
     }
 }
 
-/// Version, units and extent.
-fn header(p: &mut Pairs, drawing: &Drawing, free: u32) {
+/// Version, units and extent; returns where the first handle that is free is to be put.
+fn header(p: &mut Pairs, drawing: &Drawing) -> usize {
     p.section("HEADER");
     let mut text = |name: &str, code: u32, value: &str| {
         p.pair(9, name);
         p.pair(code, value);
+        p.text.len()
     };
     text("$ACADVER", 1, "AC1015");
     text("$DWGCODEPAGE", 3, "ANSI_1252");
-    text("$HANDSEED", 5, &format!("{free:X}"));
+    let seed = text("$HANDSEED", 5, "") - 1;
     // Millimetres; metric linetypes and hatches; decimal lengths with four places.
     let (unit, metric) = match drawing.unit {
         LengthUnit::Millimetre => ("     4", "     1"),
@@ -325,6 +353,7 @@ fn header(p: &mut Pairs, drawing: &Drawing, free: u32) {
     p.pair(0, "ENDSEC");
     p.section("CLASSES");
     p.pair(0, "ENDSEC");
+    seed
 }
 
 /// Symbol tables.
@@ -534,9 +563,7 @@ mod tests {
 
     /// Group codes and values of the file.
     fn pairs(d: &Drawing) -> Vec<(u32, String)> {
-        let mut out = Vec::new();
-        write(&mut out, d).expect("written");
-        let text = String::from_utf8(out).expect("text");
+        let text = String::from_utf8(write(d).expect("written")).expect("text");
         let lines: Vec<&str> = text.lines().map(str::trim).collect();
         lines.chunks(2).map(|c| (c[0].parse().expect("a group code"), c[1].into())).collect()
     }
@@ -597,6 +624,6 @@ mod tests {
     fn numbers_that_are_not_finite_are_refused() {
         let mut d = drawing();
         d.pieces[0].marks[0][0].x = f64::INFINITY;
-        assert_eq!(write(&mut Vec::new(), &d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
+        assert_eq!(write(&d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
     }
 }

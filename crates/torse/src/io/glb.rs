@@ -12,6 +12,7 @@ use crate::draw::scene::Scene;
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
 use serde_json::{json, Map, Value};
+use std::fmt::Write as _;
 
 /// A scene that cannot be written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -142,16 +143,36 @@ struct Attributes {
     indices: usize,
 }
 
+/// Members of an array, as text: models of many panels have hundreds of thousands.
+#[derive(Default)]
+struct Members {
+    text: String,
+    count: usize,
+}
+
+impl Members {
+    /// Appends one; answers its index.
+    fn push(&mut self, member: &Value) -> usize {
+        if self.count > 0 {
+            self.text.push(',');
+        }
+        // Writing to a string cannot fail.
+        _ = write!(self.text, "{member}");
+        self.count += 1;
+        self.count - 1
+    }
+}
+
 /// A file in the making.
 #[derive(Default)]
 struct File {
     bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-    materials: Vec<Value>,
-    meshes: Vec<Value>,
-    nodes: Vec<Value>,
-    animations: Vec<Value>,
+    views: Members,
+    accessors: Members,
+    materials: Members,
+    meshes: Members,
+    nodes: Members,
+    animations: Members,
 }
 
 impl File {
@@ -171,13 +192,11 @@ impl File {
             view["target"] = target.into();
         }
         self.bytes.extend_from_slice(data);
-        self.views.push(view);
-        more["bufferView"] = (self.views.len() - 1).into();
+        more["bufferView"] = self.views.push(&view).into();
         more["componentType"] = component.into();
         more["count"] = count.into();
         more["type"] = shape.into();
-        self.accessors.push(more);
-        self.accessors.len() - 1
+        self.accessors.push(&more)
     }
 
     /// Positions with their least and greatest coordinates, which the specification asks for.
@@ -224,21 +243,37 @@ impl File {
 
     fn material(&mut self, name: &str, colour: Rgb) -> usize {
         let [r, g, b] = linear(colour);
-        self.materials.push(json!({
+        self.materials.push(&json!({
             "name": name,
             "doubleSided": true,
             "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 },
-        }));
-        self.materials.len() - 1
+        }))
     }
 
     fn mesh_node(&mut self, name: &str, attributes: &Attributes, material: usize, extras: Value) -> usize {
-        let primitive = json!({
+        self.moving_node(name, attributes, material, extras, Vec::new())
+    }
+
+    /// A mesh with what its vertices move by from stage to stage, and its node.
+    fn moving_node(
+        &mut self,
+        name: &str,
+        attributes: &Attributes,
+        material: usize,
+        extras: Value,
+        targets: Vec<Value>,
+    ) -> usize {
+        let mut primitive = json!({
             "attributes": attributes.vertex, "indices": attributes.indices, "material": material, "mode": TRIANGLES,
         });
-        self.meshes.push(json!({ "name": name, "primitives": [primitive], "extras": extras }));
-        self.nodes.push(json!({ "name": name, "mesh": self.meshes.len() - 1 }));
-        self.nodes.len() - 1
+        let mut mesh = json!({ "name": name, "extras": extras });
+        if !targets.is_empty() {
+            mesh["weights"] = vec![0.0; targets.len()].into();
+            primitive["targets"] = targets.into();
+        }
+        mesh["primitives"] = json!([primitive]);
+        let mesh = self.meshes.push(&mesh);
+        self.nodes.push(&json!({ "name": name, "mesh": mesh }))
     }
 
     /// Separate lines between consecutive pairs of points; `None` for no points.
@@ -248,8 +283,7 @@ impl File {
         }
         let positions = self.positions(name, points)?;
         let primitive = json!({ "attributes": { "POSITION": positions }, "material": material, "mode": LINES });
-        self.meshes.push(json!({ "name": name, "primitives": [primitive] }));
-        Ok(Some(self.meshes.len() - 1))
+        Ok(Some(self.meshes.push(&json!({ "name": name, "primitives": [primitive] }))))
     }
 
     /// A node with the change of units.
@@ -261,35 +295,37 @@ impl File {
         if let Some(mesh) = mesh {
             node["mesh"] = mesh.into();
         }
-        self.nodes.push(node);
-        self.nodes.len() - 1
+        self.nodes.push(&node)
     }
 
     /// Header, JSON chunk, binary chunk.
     fn finish(mut self, scenes: &Value, tolerance: f64) -> Result<Vec<u8>, GlbError> {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut document = json!({
-            "asset": {
-                "version": "2.0",
-                "generator": concat!("torse ", env!("CARGO_PKG_VERSION")),
-                "extras": { "vertex_unit": "mm", "tolerance": tolerance },
-            },
-            "scene": 0,
-            "scenes": scenes,
-            "nodes": self.nodes,
-            "materials": self.materials,
+        let asset = json!({
+            "version": "2.0",
+            "generator": concat!("torse ", env!("CARGO_PKG_VERSION")),
+            "extras": { "vertex_unit": "mm", "tolerance": tolerance },
         });
-        // The specification has no empty arrays and no empty buffer.
-        if !self.meshes.is_empty() {
-            document["meshes"] = self.meshes.into();
-            document["accessors"] = self.accessors.into();
-            document["bufferViews"] = self.views.into();
-            document["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
+        let mut text = format!("{{\"asset\":{asset},\"scene\":0,\"scenes\":{scenes}");
+        if !self.bytes.is_empty() {
+            // Writing to a string cannot fail.
+            _ = write!(text, ",\"buffers\":[{{\"byteLength\":{}}}]", self.bytes.len());
         }
-        if !self.animations.is_empty() {
-            document["animations"] = self.animations.into();
+        for (name, members) in [
+            ("nodes", self.nodes),
+            ("materials", self.materials),
+            ("meshes", self.meshes),
+            ("accessors", self.accessors),
+            ("bufferViews", self.views),
+            ("animations", self.animations),
+        ] {
+            // The specification has no empty arrays.
+            if members.count > 0 {
+                _ = write!(text, ",\"{name}\":[{}]", members.text);
+            }
         }
-        let mut text = document.to_string().into_bytes();
+        text.push('}');
+        let mut text = text.into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
         let mut chunks: Vec<(&[u8; 4], &[u8])> = vec![(b"JSON", &text)];
         if !self.bytes.is_empty() {

@@ -39,11 +39,16 @@ const NOT_CERTIFIED: (&str, &str) = ("not-certified", "#ff0080");
 /// Class of the test square.
 const SCALE: &str = "scale-check";
 
-/// Writes a drawing.
+/// Decimals of millimetres.
+const LENGTHS: usize = 6;
+/// The same in letters.
+const LETTERS: usize = 3;
+
+/// The file of a drawing.
 ///
 /// # Errors
-/// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
-pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
+/// A coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
+pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
     let (left, top) = (drawing.min.x - MARGIN, drawing.max.y + MARGIN);
     let mut document = Document { text: String::new(), left, top, finite: true, unit: drawing.unit };
     let size = drawing.max - drawing.min + Vec2::repeat(2.0 * MARGIN);
@@ -67,8 +72,9 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
             "<g class=\"{SCALE}\" inkscape:groupmode=\"layer\" inkscape:label=\"{SCALE}\" stroke=\"#808080\">"
         );
         let [a, b, c, d] = square.corners;
-        for line in std::iter::once(&[a, b, c, d, a][..]).chain(square.text.iter().map(Vec::as_slice)) {
-            let path = document.open(line);
+        let mut paths = vec![document.open(&[a, b, c, d, a])];
+        paths.extend(square.text.iter().map(|s| document.polyline(s, LETTERS)));
+        for path in paths {
             _ = writeln!(document.text, "<path d=\"{path}\"/>");
         }
         document.text.push_str("</g>\n");
@@ -77,7 +83,7 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
     if !document.finite {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
     }
-    out.write_all(document.text.as_bytes())
+    Ok(document.text.into_bytes())
 }
 
 /// The document while it grows, and where its upper left corner lies in the drawing, whose y-axis points up.
@@ -91,14 +97,15 @@ struct Document {
 }
 
 impl Document {
-    /// A length (mm) in the unit of the drawing, to a nanometre or finer, without idle zeros.
+    /// A length (mm) in the unit of the drawing, to a nanometre or finer.
     fn number(&mut self, x: f64) -> String {
+        self.rounded(x, LENGTHS)
+    }
+
+    /// A length (mm) in the unit of the drawing, as fine as so many decimals of millimetres, without idle zeros.
+    fn rounded(&mut self, x: f64, decimals: usize) -> String {
         self.finite &= x.is_finite();
-        let digits = match self.unit {
-            LengthUnit::Millimetre => 6,
-            LengthUnit::Inch => 8,
-        };
-        let mut s = format!("{:.digits$}", self.unit.of(x));
+        let mut s = format!("{:.*}", self.unit.decimals(decimals), self.unit.of(x));
         let keep = s.trim_end_matches('0').trim_end_matches('.').len();
         s.truncate(keep);
         if s == "-0" {
@@ -109,7 +116,11 @@ impl Document {
     }
 
     fn point(&mut self, p: &Vec2) -> String {
-        let (x, y) = (self.number(p.x - self.left), self.number(self.top - p.y));
+        self.rounded_point(p, LENGTHS)
+    }
+
+    fn rounded_point(&mut self, p: &Vec2, decimals: usize) -> String {
+        let (x, y) = (self.rounded(p.x - self.left, decimals), self.rounded(self.top - p.y, decimals));
         format!("{x} {y}")
     }
 
@@ -126,7 +137,7 @@ impl Document {
             .map(|sense| piece.bent(sense).map(|l| self.open(l)).collect::<Vec<_>>());
         let marks = piece.marks.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         // One path for all letters: they are never picked one by one.
-        let text = piece.text.iter().map(|s| self.open(s)).collect::<Vec<_>>().concat();
+        let text = piece.text.iter().map(|s| self.polyline(s, LETTERS)).collect::<Vec<_>>().concat();
         let text = if text.is_empty() { Vec::new() } else { vec![text] };
         let extents = piece.extents.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         let formed = piece.formed.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
@@ -155,10 +166,14 @@ impl Document {
     }
 
     fn open(&mut self, points: &[Vec2]) -> String {
+        self.polyline(points, LENGTHS)
+    }
+
+    fn polyline(&mut self, points: &[Vec2], decimals: usize) -> String {
         let mut d = String::new();
         for (i, p) in points.iter().enumerate() {
             d.push(if i == 0 { 'M' } else { 'L' });
-            d.push_str(&self.point(p));
+            d.push_str(&self.rounded_point(p, decimals));
         }
         d
     }
@@ -230,9 +245,7 @@ mod tests {
 
     #[test]
     fn lengths_are_millimetres_and_y_points_down() {
-        let mut out = Vec::new();
-        write(&mut out, &drawing()).expect("written");
-        let text = String::from_utf8(out).expect("text");
+        let text = String::from_utf8(write(&drawing()).expect("written")).expect("text");
         assert!(text.contains("width=\"170mm\" height=\"120mm\" viewBox=\"0 0 170 120\""));
         // The counter-clockwise half circle of radius 50 from (100, 0) to (100, 100) keeps bulging to the right.
         assert!(text.contains("d=\"M10 110L110 110A50 50 0 0 0 110 10L10 10Z\""), "{text}");
@@ -244,9 +257,7 @@ mod tests {
     fn a_part_that_must_not_be_cut_has_no_cuts() {
         let mut d = drawing();
         d.pieces[0].marked = true;
-        let mut out = Vec::new();
-        write(&mut out, &d).expect("written");
-        let text = String::from_utf8(out).expect("text");
+        let text = String::from_utf8(write(&d).expect("written")).expect("text");
         assert!(!text.contains("cut-outer") && !text.contains("#ff0000") && !text.contains("rulings"), "{text}");
         assert!(
             text.contains("class=\"not-certified\"") && text.contains("<title>A &amp; &lt;B&gt; NOT CERTIFIED</title>")
@@ -258,6 +269,6 @@ mod tests {
     fn numbers_that_are_not_finite_are_refused() {
         let mut d = drawing();
         d.pieces[0].rulings[0][0].x = f64::NAN;
-        assert_eq!(write(&mut Vec::new(), &d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
+        assert_eq!(write(&d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
     }
 }

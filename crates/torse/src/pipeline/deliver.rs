@@ -31,6 +31,24 @@ use crate::torse::strip::Strip;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn files(answer: &mut Answer, time: &str) -> Result<Vec<File>, BundleError> {
+    let mut out = Vec::new();
+    each_file(answer, time, &mut |file| {
+        out.push(file);
+        Ok::<(), BundleError>(())
+    })?;
+    Ok(out)
+}
+
+/// As [`files`], but hands them over one by one, so that not all of them are in memory; those that hold geometry only after all
+/// of these were judged.
+///
+/// # Errors
+/// As [`files`], and those of `take`.
+pub fn each_file<E: From<BundleError>>(
+    answer: &mut Answer,
+    time: &str,
+    take: &mut dyn FnMut(File) -> Result<(), E>,
+) -> Result<(), E> {
     // Marks are no part of what is judged: first as if there were none, then with those that came of it.
     let mut shown = present_marked(answer, Marks::none(answer));
     let mut geometry = bundle::geometry(answer, &shown, time)?;
@@ -40,7 +58,8 @@ pub fn files(answer: &mut Answer, time: &str) -> Result<Vec<File>, BundleError> 
         shown = present_marked(answer, marks);
         geometry = bundle::geometry(answer, &shown, time)?;
     }
-    bundle::with_reports(answer, &shown, geometry)
+    geometry.into_iter().try_for_each(&mut *take)?;
+    bundle::reports(answer, &shown, take)
 }
 
 /// What a drawing may be off patterns that are only measured, as a share of the tolerance.

@@ -6,7 +6,6 @@ pub(crate) use crate::develop::refold::artwork::MapPart;
 pub use crate::develop::refold::artwork::{
     ArtworkMap, Carried, Item, Off, Placed, PlacedShape, Shape, Side, Style, Words,
 };
-use crate::geom::BBox;
 use crate::io::result_folder::{read, FolderError};
 use crate::num::parallel;
 
@@ -76,12 +75,7 @@ pub fn read_map(
                 _ => found.first(),
             };
             let atlas = chosen.or(found.first()).cloned().ok_or_else(|| named("it has no panels".into()))?;
-            let mut bounds = BBox::empty();
-            for b in atlas.panels.iter().map(|s| s.panel.surface.bbox()) {
-                bounds.include(&b.min);
-                bounds.include(&b.max);
-            }
-            Ok(MapPart { name: p.record.name.clone(), alignment: atlas.alignment, flat, atlas, bounds })
+            Ok(MapPart::new(p.record.name.clone(), flat, atlas))
         });
     let wanted = |l: &&(String, String)| part.is_none_or(|name| l.0 == name);
     let mut left: Vec<(String, String)> = folder.left.iter().filter(wanted).cloned().collect();
@@ -96,5 +90,5 @@ pub fn read_map(
         let first = left.first().map_or_else(String::new, |l| format!("{}: {}", l.0, l.1));
         return Err(MapError::Nothing(first));
     }
-    Ok(ArtworkMap { parts, left, within: within.unwrap_or(folder.report.tolerance), chord: CHORD })
+    Ok(ArtworkMap::new(parts, left, within.unwrap_or(folder.report.tolerance), CHORD))
 }

@@ -1,8 +1,8 @@
 //! Outlines laid onto outlines: first by area, centre and axes of inertia, then by the nearest points.
 
-use super::drawn::bounds;
 use crate::develop::unfold::region::Motion;
 use crate::geom::outline::Outline;
+use crate::geom::polygon::bounds;
 use crate::geom::Vec2;
 use nalgebra::Matrix2;
 

@@ -5,7 +5,9 @@
 //! with the direction in which they are read (`items.rs`), curves as polylines (`followed.rs`).
 
 use super::atlas::Atlas;
-use super::drawn::{distance, inside, FlatPart};
+use super::drawn::FlatPart;
+use crate::geom::box_tree::BoxTree;
+use crate::geom::outline::Outline;
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::num::parallel;
 use crate::spline::curve::Curve;
@@ -26,10 +28,12 @@ pub struct MapPart {
     pub name: String,
     /// Its drawing.
     pub(crate) flat: FlatPart,
+    /// The outlines of that.
+    outline: Outline,
     /// Its panels in space and laid flat.
     pub(crate) atlas: Atlas,
     /// Box around its panels.
-    pub(crate) bounds: BBox,
+    pub(super) bounds: BBox,
     /// Distance (mm) of the panels' corners from the outline drawn: what places in the drawing may be off.
     pub alignment: f64,
 }
@@ -39,6 +43,8 @@ pub struct MapPart {
 pub struct ArtworkMap {
     /// Parts that can be used.
     pub parts: Vec<MapPart>,
+    /// Over the parts as drawn.
+    drawn: BoxTree,
     /// Parts that cannot, with the reason.
     pub left: Vec<(String, String)>,
     /// Distance (mm) within which a point is on a part.
@@ -173,7 +179,25 @@ pub(super) struct Found {
     pub beyond: bool,
 }
 
+impl MapPart {
+    /// A part of its drawing and of its panels.
+    pub(crate) fn new(name: String, flat: FlatPart, atlas: Atlas) -> Self {
+        let mut bounds = BBox::empty();
+        for b in atlas.panels.iter().map(|s| s.panel.surface.bbox()) {
+            bounds.include(&b.min);
+            bounds.include(&b.max);
+        }
+        Self { name, alignment: atlas.alignment, outline: Outline::of(&flat.loops), flat, atlas, bounds }
+    }
+}
+
 impl ArtworkMap {
+    /// A map of parts that can be used and names of those that cannot, see its fields.
+    pub(crate) fn new(parts: Vec<MapPart>, left: Vec<(String, String)>, within: f64, chord: f64) -> Self {
+        let drawn = BoxTree::new(parts.len(), &|k| BBox::of_flat(parts[k].flat.loops.iter().flatten()));
+        Self { parts, drawn, left, within, chord }
+    }
+
     /// The nearest part of a point, its place on the other side, and how far off the point is.
     pub(super) fn nearest(&self, x: &Vec3, to: Side) -> Option<Found> {
         match to {
@@ -203,11 +227,11 @@ impl ArtworkMap {
     }
 
     fn in_space(&self, q: &Vec2) -> Option<Found> {
-        let off = |p: &MapPart| if inside(&p.flat.loops, q) { 0.0 } else { distance(&p.flat.loops, q) };
-        let (off, part) = self.parts.iter().map(off).zip(0..).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let off = |part: usize| self.parts[part].outline.off(q);
+        let (part, _) = self.drawn.nearest(&Vec3::new(q.x, q.y, 0.0), &|part| off(part).powi(2))?;
         let atlas = &self.parts[part].atlas;
         let on = atlas.from_flat(q)?;
-        let off = off.max(on.off);
+        let off = off(part).max(on.off);
         // Outlines as drawn run a little beside the edges of panels.
         let beyond = off.max(atlas.over(&on)) > self.hair(part);
         Some(Found { part, place: atlas.space(&on), off, beyond })

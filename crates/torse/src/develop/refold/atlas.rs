@@ -8,7 +8,7 @@
 mod inverse;
 
 use super::align::{fitted, settled, Moments};
-use super::drawn::{area, bounds, sides, FlatPart};
+use super::drawn::FlatPart;
 use crate::brep::body::{oriented, Body};
 use crate::brep::face::Face;
 use crate::brep::project::refine;
@@ -22,6 +22,7 @@ use crate::develop::unfold::tree::{unfold, Joins, UnfoldOptions};
 use crate::geom::box_tree::BoxTree;
 use crate::geom::inside::Inside;
 use crate::geom::outline::Outline;
+use crate::geom::polygon::{area, bounds, sides};
 use crate::geom::{BBox, Vec2, Vec3};
 use crate::spline::surface::Surface;
 use std::sync::{Arc, OnceLock};

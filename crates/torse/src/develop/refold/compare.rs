@@ -1,11 +1,12 @@
 //! How far a refolded part is from where it belongs, after the best rigid motion. Sampled; nothing is proven here.
 
 use super::atlas::{Atlas, OnPanel};
-use super::drawn::{bounds, FlatPart};
+use super::drawn::FlatPart;
 use super::leaf::Refolded;
 use crate::brep::project::refine;
 use crate::geom::inside::Inside;
 use crate::geom::placement::Placement;
+use crate::geom::polygon::bounds;
 use crate::geom::{Vec2, Vec3};
 use crate::num::parallel;
 use nalgebra::Matrix3;
@@ -34,7 +35,7 @@ const STEPS: usize = 5;
 /// Points inside a part on a grid, and the joints of its outlines.
 pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
     let (lo, hi) = bounds(&part.loops);
-    let whole: f64 = part.loops.iter().map(|l| super::drawn::area(l)).sum();
+    let whole: f64 = part.loops.iter().map(|l| crate::geom::polygon::area(l)).sum();
     let (inside, step) = (Inside::of(&part.loops), (whole / SAMPLES as f64).sqrt());
     let mut out: Vec<Vec2> = part.joints.iter().flatten().copied().collect();
     let count = |d: f64| ((d / step).floor() as usize).max(1);

@@ -1,6 +1,6 @@
 //! Polygons with holes cut along chords.
 
-use super::drawn::{area, bounds, distance, inside};
+use crate::geom::polygon::{area, bounds, distance, inside};
 use crate::geom::segment::foot;
 use crate::geom::Vec2;
 use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use super::RefoldError;
 use crate::develop::unfold::allowance::Fibre;
-use crate::geom::segment::foot;
+use crate::geom::polygon::{area, bounds, sides};
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, BendSense};
 
@@ -114,53 +114,6 @@ pub(crate) fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
         }
     }
     out
-}
-
-/// Signed area of a polygon, positive counter-clockwise.
-pub(crate) fn area(l: &[Vec2]) -> f64 {
-    let Some(o) = l.first() else { return 0.0 };
-    (0..l.len()).map(|k| 0.5 * (l[k] - o).perp(&(l[(k + 1) % l.len()] - o))).sum()
-}
-
-/// The sides of polygons.
-pub(crate) fn sides(loops: &[Vec<Vec2>]) -> impl Iterator<Item = (Vec2, Vec2)> + '_ {
-    loops.iter().flat_map(|l| (0..l.len()).map(move |k| (l[k], l[(k + 1) % l.len()])))
-}
-
-/// Whether a point lies inside polygons (even-odd rule).
-pub(crate) fn inside(loops: &[Vec<Vec2>], x: &Vec2) -> bool {
-    let crossed =
-        |(p, q): &(Vec2, Vec2)| (p.y > x.y) != (q.y > x.y) && x.x < p.x + (q.x - p.x) * (x.y - p.y) / (q.y - p.y);
-    sides(loops).filter(crossed).count() % 2 == 1
-}
-
-/// Distance of a point from the sides of polygons.
-pub fn distance(loops: &[Vec<Vec2>], x: &Vec2) -> f64 {
-    sides(loops).map(|(p, q)| (x - foot(&p, &q, x)).norm()).fold(f64::INFINITY, f64::min)
-}
-
-/// Corners of the box around polygons.
-pub(crate) fn bounds(loops: &[Vec<Vec2>]) -> (Vec2, Vec2) {
-    let start = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
-    loops.iter().flatten().fold(start, |(lo, hi), p| (lo.inf(p), hi.sup(p)))
-}
-
-/// Where a line crosses polygons: ways along it from `at`, rising; neighbours in pairs bound the stretches inside.
-pub(crate) fn crossings(loops: &[Vec<Vec2>], at: &Vec2, way: &Vec2) -> Vec<f64> {
-    let mut out: Vec<f64> = sides(loops)
-        .filter_map(|(p, q)| {
-            let (a, b) = (way.perp(&(p - at)), way.perp(&(q - at)));
-            ((a > 0.0) != (b > 0.0)).then(|| way.dot(&(p + (q - p) * (a / (a - b)) - at)))
-        })
-        .collect();
-    out.sort_by(f64::total_cmp);
-    out
-}
-
-/// The nearest corner of polygons, if one is near (mm), else the place itself.
-pub(crate) fn corner_near(loops: &[Vec<Vec2>], q: Vec2, near: f64) -> Vec2 {
-    let corner = loops.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
-    corner.filter(|c| (*c - q).norm() <= near).copied().unwrap_or(q)
 }
 
 impl FlatPart {
@@ -314,18 +267,13 @@ mod tests {
     }
 
     #[test]
-    fn arcs_are_followed_and_insides_are_told() {
+    fn arcs_are_followed() {
         // A disc of two half circles.
         let disc = polygon(&[(Vec2::new(-5.0, 0.0), 1.0), (Vec2::new(5.0, 0.0), 1.0)], 10.0);
         assert!(disc.iter().all(|p| (p.norm() - 5.0).abs() < 1e-12));
         let height = chord_height(&[(Vec2::new(-5.0, 0.0), 1.0), (Vec2::new(5.0, 0.0), 1.0)], 10.0);
         let middle = |k: usize| (disc[k] + disc[(k + 1) % disc.len()]).norm() * 0.5;
         assert!((0..disc.len()).all(|k| (5.0 - middle(k) - height).abs() < 1e-9));
-        let loops = vec![disc];
-        assert!((area(&loops[0]) - 25.0 * std::f64::consts::PI).abs() < 1e-3);
-        assert!(inside(&loops, &Vec2::new(0.0, 4.99)) && !inside(&loops, &Vec2::new(0.0, 5.01)));
-        assert!((distance(&loops, &Vec2::new(0.0, 2.0)) - 3.0).abs() < 1e-4);
-        let cuts = crossings(&loops, &Vec2::new(0.0, 3.0), &Vec2::x());
-        assert!(cuts.len() == 2 && (cuts[1] - 4.0).abs() < 1e-4);
+        assert!((area(&disc) - 25.0 * std::f64::consts::PI).abs() < 1e-3);
     }
 }

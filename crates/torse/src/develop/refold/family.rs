@@ -4,9 +4,10 @@
 //! `docs/algorithms` says.
 
 use super::cut::cut;
-use super::drawn::{bounds, crossings, distance, FlatPart};
+use super::drawn::FlatPart;
 use super::lines::Whole;
 use crate::develop::between::{moving, Between};
+use crate::geom::polygon::{bounds, crossings, distance};
 use crate::geom::Vec2;
 use crate::num::quadrature::GAUSS_4;
 use crate::torse::ribbon::pose::{Pose, Rates};

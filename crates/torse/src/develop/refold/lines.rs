@@ -1,8 +1,9 @@
 //! The bend lines of a part, from end to end, in order and directed alike.
 
-use super::drawn::{inside, BendLine, FlatPart, ROUNDED};
+use super::drawn::{BendLine, FlatPart, ROUNDED};
 use super::RefoldError;
 use crate::develop::between::LineSide;
+use crate::geom::polygon::inside;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
 

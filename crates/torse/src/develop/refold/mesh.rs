@@ -1,10 +1,10 @@
 //! Triangles of refolded parts.
 
-use super::drawn::bounds;
 use super::leaf::{Leaf, Refolded};
 use super::RefoldError;
 use crate::geom::mesh::Mesh;
 use crate::geom::placement::Placement;
+use crate::geom::polygon::bounds;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::triangulate::triangulate;
 use crate::torse::ribbon::Spot;

@@ -81,7 +81,7 @@ fn plane(part: &FlatPart) -> Refolded {
 
 /// The rulings of a plane region; `frame` is where the frame of the drawing is in space.
 pub(super) fn plane_ribbon(loops: &[Vec<Vec2>], frame: Pose) -> Ribbon {
-    let (lo, hi) = super::drawn::bounds(loops);
+    let (lo, hi) = crate::geom::polygon::bounds(loops);
     let flat = Pose::flat(lo, Vec2::x());
     let space = Pose { axes: frame.axes, at: frame.point(lo.x, lo.y) };
     let step = Rates { across: hi.y - lo.y, ..Rates::default() };
@@ -209,7 +209,7 @@ mod tests {
         let side = |r: f64| (0..=n).map(|k| at(k as f64 / n as f64, r)).collect::<Vec<_>>();
         let mut outline = side(if alpha == 0.0 { 100.0 } else { 200.0 });
         outline.extend(side(if alpha == 0.0 { 200.0 } else { 100.0 }).into_iter().rev());
-        if super::super::drawn::area(&outline) < 0.0 {
+        if crate::geom::polygon::area(&outline) < 0.0 {
             outline.reverse();
         }
         let line = |k: usize| {

@@ -6,12 +6,13 @@
 //! its first line and behind its last one are known: what the family gives there is brought to these.
 
 use super::cut::{cut, Region};
-use super::drawn::{distance, inside, sides, FlatPart, SheetRow, ROUNDED};
+use super::drawn::{FlatPart, SheetRow, ROUNDED};
 use super::lines::whole_lines;
 use super::one_family::rulings;
 use super::skin::on_skin;
 use super::zone::{lines_of, middles, Line, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;
+use crate::geom::polygon::{distance, inside, sides};
 use crate::geom::segment::foot;
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;

@@ -7,12 +7,13 @@
 //! outside of a sharp bend is drawn, the skin is longer than the drawing: both regions go on beyond the line to their edge.
 
 use super::cut::{cut, Region};
-use super::drawn::{area, crossings, inside, FlatPart};
+use super::drawn::FlatPart;
 use super::leaf::{Leaf, Refolded};
 use super::one_family::plane_ribbon;
 use super::rolled::{is_rolled, rolled, Chord};
 use super::zone::{round, thickness, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;
+use crate::geom::polygon::{area, crossings, inside};
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
 use crate::torse::ribbon::pose::{Pose, Rates};

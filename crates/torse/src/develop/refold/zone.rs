@@ -1,7 +1,8 @@
 //! Bent zones of a part: what is known of one before it is put into space.
 
-use super::drawn::{crossings, distance, inside, FlatPart, SheetRow};
+use super::drawn::{FlatPart, SheetRow};
 use super::RefoldError;
+use crate::geom::polygon::{crossings, distance, inside};
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
 use crate::torse::ribbon::pose::{Pose, Rates};

@@ -240,7 +240,7 @@ impl<'a> Laid<'a> {
         let [a, b] = self.ruling(panel, t + INWARDS * (0.5 * (first + last) - t));
         let length = (b - a).norm();
         let Some(way) = (b - a).try_normalize(0.0) else { return Vec::new() };
-        let cuts = crate::develop::refold::drawn::crossings(loops, &a, &way);
+        let cuts = crate::geom::polygon::crossings(loops, &a, &way);
         cuts.chunks_exact(2)
             .map(|c| [c[0] / length, c[1] / length].map(|s| s.clamp(0.0, 1.0)))
             .filter(|c| c[1] > c[0])

@@ -8,7 +8,7 @@
 use super::laid::{Laid, Spot};
 use super::roll::outlines;
 use crate::develop::marked::marked;
-use crate::develop::refold::drawn::{distance, inside, sides};
+use crate::geom::polygon::{distance, inside, sides};
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::pattern::{MarkLine, Pattern};
 

@@ -2,6 +2,7 @@
 
 use super::chart::{Chart, FlatRuling};
 use crate::brep::body::Body;
+use crate::geom::polygon::{area, bounds, crossings, distance, inside, sides};
 use crate::geom::Vec2;
 
 /// Sampled loops of a face in the plane.
@@ -79,10 +80,7 @@ impl Region {
 
     /// The region inside loops.
     pub fn from_loops(loops: Vec<Vec<Vec2>>) -> Self {
-        let (mut min, mut max) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
-        for p in loops.iter().flatten() {
-            (min, max) = (min.inf(p), max.sup(p));
-        }
+        let (min, max) = bounds(&loops);
         Self { loops, min, max }
     }
 
@@ -98,25 +96,12 @@ impl Region {
 
     /// Whether a point lies inside.
     pub fn contains(&self, x: &Vec2) -> bool {
-        let mut inside = false;
-        for (p, q) in self.sides() {
-            if (p.y > x.y) != (q.y > x.y) && x.x < p.x + (q.x - p.x) * (x.y - p.y) / (q.y - p.y) {
-                inside = !inside;
-            }
-        }
-        inside
+        inside(&self.loops, x)
     }
 
     /// The stretches inside of a line through `at` along the unit vector `way`.
     pub fn line(&self, at: &Vec2, way: &Vec2) -> Vec<[Vec2; 2]> {
-        let mut cuts: Vec<f64> = Vec::new();
-        for (p, q) in self.sides() {
-            let (a, b) = (way.perp(&(p - at)), way.perp(&(q - at)));
-            if (a > 0.0) != (b > 0.0) {
-                cuts.push(way.dot(&(p + (q - p) * (a / (a - b)) - at)));
-            }
-        }
-        cuts.sort_by(f64::total_cmp);
+        let cuts = crossings(&self.loops, at, way);
         let short = SHORT * (self.max - self.min).norm();
         let long = cuts.chunks_exact(2).filter(|c| c[1] - c[0] > short);
         long.map(|c| [at + way * c[0], at + way * c[1]]).collect()
@@ -147,11 +132,11 @@ impl Region {
         if apart(0) || apart(1) {
             return false;
         }
-        let deep = |region: &Self, x: &Vec2| region.contains(x) && region.distance_to_border(x) > depth;
+        let deep = |region: &Self, x: &Vec2| region.contains(x) && distance(&region.loops, x) > depth;
         if self.inner_points().iter().any(|x| deep(other, x)) || other.inner_points().iter().any(|x| deep(self, x)) {
             return true;
         }
-        let crossing = |(a, b): (&Vec2, &Vec2), (c, d): (&Vec2, &Vec2)| {
+        let crossing = |(a, b): &(Vec2, Vec2), (c, d): &(Vec2, Vec2)| {
             let across = |p: &Vec2, q: &Vec2, x: &Vec2, y: &Vec2| {
                 let n = (q - p).try_normalize(0.0).unwrap_or_else(Vec2::zeros);
                 let (s, t) = (n.perp(&(x - p)), n.perp(&(y - p)));
@@ -159,20 +144,6 @@ impl Region {
             };
             across(a, b, c, d) && across(c, d, a, b)
         };
-        self.sides().any(|s| other.sides().any(|t| crossing(s, t)))
+        sides(&self.loops).any(|s| sides(&other.loops).any(|t| crossing(&s, &t)))
     }
-
-    fn distance_to_border(&self, x: &Vec2) -> f64 {
-        self.sides().map(|(p, q)| crate::develop::arcs::distance_to_arc(x, p, q, 0.0)).fold(f64::INFINITY, f64::min)
-    }
-
-    fn sides(&self) -> impl Iterator<Item = (&Vec2, &Vec2)> {
-        self.loops.iter().flat_map(|l| l.iter().zip(l.iter().cycle().skip(1)))
-    }
-}
-
-/// Signed area of a polygon, mm².
-pub(crate) fn area(l: &[Vec2]) -> f64 {
-    let Some(o) = l.first() else { return 0.0 };
-    0.5 * l.iter().zip(l.iter().cycle().skip(1)).map(|(p, q)| (p - o).perp(&(q - o))).sum::<f64>()
 }

@@ -40,19 +40,15 @@ pub fn write(name: &str, stages: &[Scene]) -> Result<Vec<u8>, GlbError> {
         }
         let title = panel.title();
         let material = file.material(&title, colour::shown(i, panel.marked));
-        let node = file.mesh_node(&title, &attributes, material, json!({ "unit": "mm" }));
+        let node = file.moving_node(&title, &attributes, material, json!({ "unit": "mm" }), changes);
         if targets > 0 {
-            if let Some(mesh) = file.meshes.last_mut() {
-                mesh["primitives"][0]["targets"] = changes.into();
-                mesh["weights"] = vec![0.0; targets].into();
-            }
             moving.push(node);
         }
         nodes.push(node);
     }
     if !moving.is_empty() {
         let accessors = times_and_weights(&mut file, targets);
-        file.animations.push(animation(name, accessors, &moving));
+        file.animations.push(&animation(name, accessors, &moving));
     }
     let root = file.root(name, &nodes, None);
     file.finish(&json!([{ "name": name, "nodes": [root] }]), 0.0)

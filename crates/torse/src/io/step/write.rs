@@ -30,12 +30,12 @@ pub struct Header {
     pub uncertainty: f64,
 }
 
-/// Writes the panels of a patchwork, normals on the side of the input faces' normals: panels that share edges are
+/// The file of the panels of a patchwork, normals on the side of the input faces' normals: panels that share edges are
 /// sewn into one shell, the others are shells of their own. Names of panels that `marked` holds for say that they must not
 /// be cut.
 ///
 /// # Errors
-/// Those of `out`.
+/// As [`shells`].
 ///
 /// # Example
 /// ```
@@ -43,22 +43,21 @@ pub struct Header {
 /// let plate = torse::read(include_bytes!("../../../../../data/cylinder_holes.step"))?;
 /// let answer = torse::approximate(&plate, &torse::Approximate::new(0.5))?;
 /// let header = Header { name: "plate".into(), time: "2026-01-31T12:00:00".into(), uncertainty: 0.01 };
-/// let mut bytes = Vec::new();
-/// panels(&mut bytes, &header, answer.patchwork(), &[])?;
+/// let bytes = panels(&header, answer.patchwork(), &[])?;
 /// let back = torse::read_step(&bytes)?;
 /// assert_eq!(back.faces[0].surface, answer.patchwork().panels[0].strip.patch);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn panels(out: &mut dyn io::Write, header: &Header, patchwork: &Patchwork, marked: &[bool]) -> io::Result<()> {
-    self::shells(out, header, &sewn::shells(patchwork, marked))
+pub fn panels(header: &Header, patchwork: &Patchwork, marked: &[bool]) -> io::Result<Vec<u8>> {
+    self::shells(header, &sewn::shells(patchwork, marked))
 }
 
-/// Writes shells.
+/// The file of shells.
 ///
 /// # Errors
-/// Those of `out`; an edge or vertex number that is out of range ([`io::ErrorKind::InvalidInput`]).
-pub fn shells(out: &mut dyn io::Write, header: &Header, shells: &[Shell]) -> io::Result<()> {
-    let mut r = Records::default();
+/// An edge or vertex number that is out of range ([`io::ErrorKind::InvalidInput`]).
+pub fn shells(header: &Header, shells: &[Shell]) -> io::Result<Vec<u8>> {
+    let mut r = Records::after(head(header));
     let product = product(&mut r, &header.name);
     let context = context(&mut r, header.uncertainty);
     let plane = r.push(
@@ -75,9 +74,9 @@ pub fn shells(out: &mut dyn io::Write, header: &Header, shells: &[Shell]) -> io:
     ));
     let definition = r.push(&format!("PRODUCT_DEFINITION_SHAPE('',$,#{product})"));
     r.push(&format!("SHAPE_DEFINITION_REPRESENTATION(#{definition},#{shape})"));
-    out.write_all(head(header).as_bytes())?;
-    out.write_all(r.text().as_bytes())?;
-    out.write_all(b"ENDSEC;\nEND-ISO-10303-21;\n")
+    let mut text = r.into_text();
+    text.push_str("ENDSEC;\nEND-ISO-10303-21;\n");
+    Ok(text.into_bytes())
 }
 
 /// Everything before the first record.
@@ -251,9 +250,7 @@ mod tests {
 
     fn written(shell: Shell) -> String {
         let header = Header { name: "test".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
-        let mut out = Vec::new();
-        shells(&mut out, &header, &[shell]).expect("written");
-        String::from_utf8(out).expect("text").replace('\n', "")
+        String::from_utf8(shells(&header, &[shell]).expect("written")).expect("text").replace('\n', "")
     }
 
     #[test]
@@ -328,7 +325,7 @@ mod tests {
         let mut shell = Shell::of_panel(&panel(false), false);
         shell.faces[0].loops[0][0].edge = 99;
         let header = Header { name: String::new(), time: String::new(), uncertainty: 1e-6 };
-        let error = shells(&mut Vec::new(), &header, &[shell]).expect_err("refused");
+        let error = shells(&header, &[shell]).expect_err("refused");
         assert!(error.to_string().contains("edge 99"), "{error}");
     }
 }

@@ -4,8 +4,9 @@
 use crate::develop::refold::atlas::{Atlas, OnPanel};
 use crate::develop::refold::compare::samples;
 use crate::develop::refold::cut::{cut, Region};
-use crate::develop::refold::drawn::{bounds, corner_near, distance, inside, FlatPart, ROUNDED};
+use crate::develop::refold::drawn::{FlatPart, ROUNDED};
 use crate::develop::refold::leaf::Leaf;
+use crate::geom::polygon::{bounds, corner_near, distance, inside};
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
 use crate::torse::ribbon::{Ribbon, Span};

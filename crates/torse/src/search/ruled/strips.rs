@@ -12,7 +12,8 @@ use crate::fit::ruled::chart::{across, Across, Boundaries, Chart};
 use crate::fit::ruled::directions::{samples, Family, Sample};
 use crate::fit::ruled::solve::{solve, SolveOptions, Strips};
 use crate::fit::ruled::strip_map::{strip, RuledStrip};
-use crate::geom::Vec3;
+use crate::geom::inside::Inside;
+use crate::geom::{Vec2, Vec3};
 use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::partition::{edges, Partition};
@@ -117,7 +118,7 @@ impl<'a> Region<'a> {
     /// # Errors
     /// No coordinates.
     pub fn new(piece: &'a Piece, options: &'a RuledOptions, any: bool, control: &Control) -> Result<Self, LeftOut> {
-        let outline = Outline::new(&piece.partition);
+        let outline = Outline::of_piece(&piece.partition);
         let plans = plans(piece, control);
         let mut out = Self { piece, outline, options, any, plans, least: Vec::new() };
         let straight = |p: &Plan| out.chords(&p.chart, &out.levels(p, 1)).0 <= options.tolerance;
@@ -381,7 +382,7 @@ fn farthest(patchwork: &Patchwork) -> f64 {
         if loops.iter().flatten().any(|p| (p[1] - 0.5).abs() > 0.5 + ROUNDING || p[0] < a || p[0] > b) {
             return f64::INFINITY;
         }
-        let outline = Outline { loops };
+        let outline = Outline::of(loops);
         let places = (1..LOOKS[0]).flat_map(|i| (1..LOOKS[1]).map(move |j| (i, j)));
         let places = places.map(|(i, j)| [a + (b - a) * i as f64 / LOOKS[0] as f64, j as f64 / LOOKS[1] as f64]);
         let inner: Vec<[f64; 2]> = places.filter(|p| outline.contains(*p)).collect();
@@ -442,15 +443,21 @@ fn directing_normal(samples: &[Sample]) -> Option<Vec3> {
     (inverse.transpose() * eigen.eigenvectors.column(least)).try_normalize(0.0)
 }
 
-/// The border of a piece in the parameter plane.
+/// The border of a piece, or of a strip, in its parameter plane.
 struct Outline {
     loops: Vec<Vec<[f64; 2]>>,
+    inside: Inside,
 }
 
 impl Outline {
-    fn new(partition: &Partition) -> Self {
-        let place = |v: &u32| partition.vertices[*v as usize];
-        Self { loops: chains::loops(partition, 0).iter().map(|l| l.iter().map(place).collect()).collect() }
+    fn of_piece(partition: &Partition) -> Self {
+        let corners = |l: Vec<u32>| l.iter().map(|v| partition.vertices[*v as usize]).collect();
+        Self::of(chains::loops(partition, 0).into_iter().map(corners).collect())
+    }
+
+    fn of(loops: Vec<Vec<[f64; 2]>>) -> Self {
+        let flat: Vec<Vec<Vec2>> = loops.iter().map(|l| l.iter().map(|p| Vec2::from(*p)).collect()).collect();
+        Self { inside: Inside::of(&flat), loops }
     }
 
     /// Its corners.
@@ -460,15 +467,6 @@ impl Outline {
 
     /// By the even-odd rule.
     fn contains(&self, p: [f64; 2]) -> bool {
-        let mut inside = false;
-        for l in &self.loops {
-            for k in 0..l.len() {
-                let (a, b) = (l[k], l[(k + 1) % l.len()]);
-                if (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) {
-                    inside = !inside;
-                }
-            }
-        }
-        inside
+        self.inside.holds(&Vec2::from(p))
     }
 }

@@ -3,8 +3,9 @@
 
 use crate::certify::points::points;
 use crate::control::Control;
-use crate::develop::scanned::{area, needed, sharp, CarriedLoop, ScanOutline, Shown};
+use crate::develop::scanned::{needed, sharp, CarriedLoop, ScanOutline, Shown};
 use crate::develop::smooth_ends::through;
+use crate::geom::polygon::area;
 use crate::geom::{Vec2, Vec3};
 use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;

@@ -26,7 +26,7 @@ pub(super) struct Part<'a> {
     /// Keyword in upper case as in the file.
     pub name: &'a str,
     /// Arguments.
-    pub args: Vec<Value<'a>>,
+    pub args: Box<[Value<'a>]>,
 }
 
 /// An instance `#id = …;`.
@@ -238,7 +238,7 @@ impl<'r, 'a> Args<'r, 'a> {
     pub fn list(&self, index: usize) -> Result<&'r [Value<'a>], Fault> {
         match self.get(index)? {
             Value::List(l) => Ok(l),
-            Value::Typed(_, l) => Ok(l),
+            Value::Typed(l) => Ok(l),
             _ => Err(self.fault(index, "is not a list")),
         }
     }
@@ -287,7 +287,7 @@ fn line(text: &str, at: usize) -> usize {
 fn missing(v: &Value, table: &HashMap<u64, Record>) -> Option<u64> {
     match v {
         Value::Reference(id) if !table.contains_key(id) => Some(*id),
-        Value::List(l) | Value::Typed(_, l) => l.iter().find_map(|v| missing(v, table)),
+        Value::List(l) | Value::Typed(l) => l.iter().find_map(|v| missing(v, table)),
         _ => None,
     }
 }
@@ -296,7 +296,7 @@ fn missing(v: &Value, table: &HashMap<u64, Record>) -> Option<u64> {
 pub(super) fn as_reference(v: &Value) -> Option<u64> {
     match v {
         Value::Reference(id) => Some(*id),
-        Value::Typed(_, l) if l.len() == 1 => as_reference(&l[0]),
+        Value::Typed(l) if l.len() == 1 => as_reference(&l[0]),
         _ => None,
     }
 }
@@ -305,7 +305,7 @@ pub(super) fn as_reference(v: &Value) -> Option<u64> {
 pub(super) fn as_number(v: &Value) -> Option<f64> {
     match v {
         Value::Number(x) => Some(*x),
-        Value::Typed(_, l) if l.len() == 1 => as_number(&l[0]),
+        Value::Typed(l) if l.len() == 1 => as_number(&l[0]),
         _ => None,
     }
 }
@@ -317,7 +317,7 @@ fn record<'a>(c: &mut Cursor<'a>) -> Option<(u64, Record<'a>)> {
         return None;
     }
     c.skip_blanks();
-    let mut parts = Vec::new();
+    let mut parts = Vec::with_capacity(1);
     if c.take(b'(') {
         while !c.take(b')') {
             let name = c.word();

@@ -19,9 +19,9 @@ pub(super) enum Value<'a> {
     /// `#123`.
     Reference(u64),
     /// `(…)`.
-    List(Vec<Value<'a>>),
-    /// `NAME(…)`: a value of a named type.
-    Typed(&'a str, Vec<Value<'a>>),
+    List(Box<[Value<'a>]>),
+    /// `NAME(…)`: a value of a named type; no reader needs the name.
+    Typed(Box<[Value<'a>]>),
     /// `"…"`: bits, of no interest here.
     Binary,
 }
@@ -44,12 +44,14 @@ pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
     /// Offset of the next byte.
     pub at: usize,
+    /// Values of lists that have not ended, so that each list takes no more memory than it needs.
+    open: Vec<Value<'a>>,
 }
 
 impl<'a> Cursor<'a> {
     /// Starts at byte `at`.
     pub fn new(text: &'a str, at: usize) -> Self {
-        Self { text, bytes: text.as_bytes(), at }
+        Self { text, bytes: text.as_bytes(), at, open: Vec::new() }
     }
 
     /// The next byte, without moving.
@@ -117,28 +119,36 @@ impl<'a> Cursor<'a> {
     }
 
     /// A parenthesised argument list.
-    pub fn list(&mut self, depth: usize) -> Result<Vec<Value<'a>>, SyntaxFault> {
+    pub fn list(&mut self, depth: usize) -> Result<Box<[Value<'a>]>, SyntaxFault> {
+        let first = self.open.len();
+        let read = self.members(depth);
+        let members = self.open.drain(first..);
+        read.map(|()| members.collect())
+    }
+
+    /// Puts the values of a list among the open ones.
+    fn members(&mut self, depth: usize) -> Result<(), SyntaxFault> {
         if depth > DEEPEST_LIST {
             return Err(self.fault("lists are nested too deeply"));
         }
         if !self.take(b'(') {
             return Err(self.fault("'(' expected"));
         }
-        let mut out = Vec::new();
         if self.take(b')') {
-            return Ok(out);
+            return Ok(());
         }
         loop {
-            out.push(self.value(depth)?);
+            let value = self.value(depth)?;
+            self.open.push(value);
             if self.take(b')') {
-                return Ok(out);
+                return Ok(());
             }
             if !self.take(b',') {
                 return Err(self.fault("',' or ')' expected"));
             }
             // A stray comma before the closing bracket.
             if self.take(b')') {
-                return Ok(out);
+                return Ok(());
             }
         }
     }
@@ -179,7 +189,7 @@ impl<'a> Cursor<'a> {
                 let name = self.word();
                 self.skip_blanks();
                 if self.peek() == Some(b'(') {
-                    return Ok(Value::Typed(name, self.list(depth + 1)?));
+                    return self.list(depth + 1).map(Value::Typed);
                 }
                 match name.to_ascii_uppercase().as_str() {
                     "NAN" | "QNAN" | "SNAN" => Ok(Value::Number(f64::NAN)),
@@ -295,7 +305,7 @@ mod tests {
         assert_eq!(list[4], Value::Reference(12));
         assert_eq!(list[5], Value::Enumeration("T"));
         assert_eq!(list[6], Value::Text("it's".into()));
-        assert_eq!(list[8], Value::Typed("LENGTH_MEASURE", vec![Value::Number(3.0)]));
+        assert_eq!(list[8], Value::Typed([Value::Number(3.0)].into()));
         assert!(matches!(list[10], Value::Number(x) if x.is_nan()));
     }
 

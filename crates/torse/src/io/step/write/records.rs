@@ -5,14 +5,19 @@ use std::fmt::Write as _;
 /// Lines are broken after this column where the grammar allows; some old readers stop at 80.
 const LINE_WIDTH: usize = 76;
 
-/// The data section while it grows. Records are numbered from 1 in order of writing, referents first.
-#[derive(Debug, Default)]
+/// A file while its data section grows. Records are numbered from 1 in order of writing, referents first.
+#[derive(Debug)]
 pub(crate) struct Records {
     text: String,
     count: u64,
 }
 
 impl Records {
+    /// No record yet, behind the text of a header.
+    pub fn after(header: String) -> Self {
+        Self { text: header, count: 0 }
+    }
+
     /// Appends the record `#n = body;` and answers n.
     pub fn push(&mut self, body: &str) -> u64 {
         self.count += 1;
@@ -21,9 +26,9 @@ impl Records {
         self.count
     }
 
-    /// The records, one or more lines each.
-    pub fn text(&self) -> &str {
-        &self.text
+    /// All of the text, records in one or more lines each.
+    pub fn into_text(self) -> String {
+        self.text
     }
 }
 

@@ -49,8 +49,7 @@ fn face(name: &str, corner: Vec3, loops: &[&[[f64; 2]]]) -> Panel {
 fn files(panels: Vec<Panel>) -> [(&'static str, Vec<u8>); 3] {
     let header = Header { name: "bad".into(), time: "2026-01-31T12:00:00".into(), uncertainty: 1e-6 };
     let patchwork = Patchwork { panels, ..Patchwork::default() };
-    let mut bytes = Vec::new();
-    step::panels(&mut bytes, &header, &patchwork, &[]).expect("a file");
+    let bytes = step::panels(&header, &patchwork, &[]).expect("a file");
     let sheets = sewn::shells(&patchwork, &[]);
     [
         ("STEP", bytes),
@@ -186,8 +185,7 @@ fn a_curved_face_with_a_sharp_edge_is_covered_once() {
     let points: Vec<Vec3> = ends.iter().flat_map(|e| [Vec3::new(e.0, 0.0, e.1), Vec3::new(e.0, 100.0, e.2)]).collect();
     let surface = Surface::new(across.expect("knots"), along.expect("knots"), &points, None).expect("a surface");
     let header = Header { name: "roof".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
-    let mut bytes = Vec::new();
-    step::shells(&mut bytes, &header, &[step::Shell::untrimmed("roof", &surface)]).expect("a file");
+    let bytes = step::shells(&header, &[step::Shell::untrimmed("roof", &surface)]).expect("a file");
     let model = crate::read(&bytes).expect("a model");
     assert!(model.faces.len() == 1 && model.faces[0].boundary.is_some());
     let options = UnrollOptions { surfaces: true, approximate: Some(4.0), ..UnrollOptions::new(0.05) };

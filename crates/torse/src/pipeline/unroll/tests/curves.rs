@@ -103,8 +103,7 @@ fn a_helix_becomes_a_straight_line_across_the_bend() {
     assert!(line.joints.len() < 5, "{line:?}");
     let options = crate::draw::drawing::DrawingOptions::default();
     let drawing = crate::draw::drawing::drawing(&answer.patterns, &[], &[], &options);
-    let mut bytes = Vec::new();
-    dxf::write(&mut bytes, &drawing).expect("a drawing");
+    let bytes = dxf::write(&drawing).expect("a drawing");
     let pieces = drawings::dxf(&bytes).expect("a drawing");
     assert!(crate::certify::written::drawing(&answer.patterns, &pieces).bound() < 1e-6);
     assert!(String::from_utf8_lossy(&bytes).contains("MARK_CURVE"));

@@ -112,8 +112,7 @@ fn wave() -> Model {
     let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
     let surface = Surface::new(knots(3), knots(1), &points, None).expect("a surface");
     let header = Header { name: "wave".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
-    let mut bytes = Vec::new();
-    step::shells(&mut bytes, &header, &[step::Shell::untrimmed("wave", &surface)]).expect("a file");
+    let bytes = step::shells(&header, &[step::Shell::untrimmed("wave", &surface)]).expect("a file");
     crate::read(&bytes).expect("a model")
 }
 

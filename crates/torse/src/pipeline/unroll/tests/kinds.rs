@@ -93,8 +93,7 @@ fn files(surface: &Surface) -> Vec<Written> {
             assert!(unit == "mm" || global != text);
             out.push((format!("IGES {unit} {hand}"), global.into_bytes()));
             let sheets = [Shell::untrimmed("A", &s)];
-            let mut bytes = Vec::new();
-            step::shells(&mut bytes, &header, &sheets).expect("a file");
+            let bytes = step::shells(&header, &sheets).expect("a file");
             let text = String::from_utf8(bytes).expect("text");
             match unit {
                 "mm" => {

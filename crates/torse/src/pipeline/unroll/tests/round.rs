@@ -39,8 +39,7 @@ fn faces_that_are_curved_all_around_are_left_to_the_other_job() {
     let torus = SupportSurface::Torus { frame: Frame::world(), major: 500.0, minor: 150.0 };
     let (surface, _) = torus.to_spline((GAP, TAU - GAP), (GAP, TAU - GAP)).expect("a surface");
     let header = Header { name: "ring".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
-    let mut bytes = Vec::new();
-    step::shells(&mut bytes, &header, &[step::Shell::untrimmed("ring", &surface)]).expect("a file");
+    let bytes = step::shells(&header, &[step::Shell::untrimmed("ring", &surface)]).expect("a file");
     let ring = crate::read(&bytes).expect("a model");
     let options = UnrollOptions { surfaces: true, approximate: Some(1.0), ..UnrollOptions::new(0.1) };
     let Err(UnrollError::Round(why)) = unroll(&ring, &options, &Control::default()) else { panic!("not refused") };
