@@ -1,11 +1,11 @@
 //! The job of `torse map`: points and curves carried between parts in space and their flat patterns.
 
 use super::part_atlas::{atlases, flat_part, panels, refolded};
-use super::refold::best;
 pub(crate) use crate::develop::refold::artwork::MapPart;
 pub use crate::develop::refold::artwork::{
     ArtworkMap, Carried, Item, Off, Placed, PlacedShape, Shape, Side, Style, Words,
 };
+use crate::develop::refold::compare::best;
 use crate::io::result_folder::{read, FolderError};
 use crate::num::parallel;
 
@@ -71,7 +71,7 @@ pub fn read_map(
             let found = atlases(&folder, &all, p, &flat).map_err(named)?;
             // Of ways that fit alike the bends tell the right one.
             let chosen = match (found.len(), refolded(&flat)) {
-                (2.., Ok(back)) => best(&flat, &back, &found).map(|b| b.0),
+                (2.., Ok(back)) => best(&flat, &back, &found),
                 _ => found.first(),
             };
             let atlas = chosen.or(found.first()).cloned().ok_or_else(|| named("it has no panels".into()))?;

@@ -5,7 +5,7 @@ use super::part_atlas::{atlases, beside_panels, flat_part, panels, read_bound, r
 use crate::certify::claim::UpperBound;
 use crate::control::Control;
 use crate::develop::refold::atlas::Atlas;
-use crate::develop::refold::compare::{compare, matched, Comparison, Matched};
+use crate::develop::refold::compare::{best, compare, Comparison};
 use crate::develop::refold::drawn::FlatPart;
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::mesh::mesh;
@@ -124,8 +124,8 @@ fn answer(
         }
         Ok(all) => all,
     };
-    let Some((atlas, way)) = best(&out.flat, &out.refolded, &all) else { return out };
-    let Some(c) = way.compared(&out.refolded, atlas) else { return out };
+    let Some(atlas) = best(&out.flat, &out.refolded, &all) else { return out };
+    let Some(c) = compare(&out.flat, &out.refolded, atlas) else { return out };
     let bounds = |flat: &FlatPart, back: &Refolded, c: &Comparison| -> Vec<(String, Result<f64, NotRefolded>)> {
         let of = |p: PanelBound| {
             let found = p.found.map(|b| read.map_or(b, |read| b.plus(read)).value());
@@ -158,20 +158,6 @@ fn largest(panels: &[(String, Result<f64, NotRefolded>)]) -> Result<f64, NotRefo
         (Some(why), 1) => Err((*why).clone()),
         (Some(_), of) => Err(NotRefolded::Open { open: open.len(), of }),
     }
-}
-
-/// Of several ways to lay the panels onto an outline the one that the bends agree with.
-pub(crate) fn best<'a>(flat: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -> Option<(&'a Atlas, Matched)> {
-    let mut out: Option<(&Atlas, Matched)> = None;
-    for a in all {
-        let Some(way) = matched(flat, refolded, a) else { continue };
-        // Ways that differ by rounding only: the first, whose outline begins where the panels do.
-        let clear = out.as_ref().is_none_or(|b| way.mean_estimate < 0.9 * b.1.mean_estimate);
-        if clear {
-            out = Some((a, way));
-        }
-    }
-    out
 }
 
 impl RefoldAnswer {

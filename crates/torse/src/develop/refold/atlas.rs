@@ -339,7 +339,7 @@ impl PlacedPanel {
     fn own_flat(&self, uv: [f64; 2]) -> Vec2 {
         let p = match &self.map {
             Map::Developed(d) => d.map(uv[0], uv[1]),
-            Map::Charted(c) => c.flat(&self.panel.surface.point(uv[0], uv[1]), Some(uv)),
+            Map::Charted(c) => c.flat_at(uv, &self.panel.surface.point(uv[0], uv[1])),
             Map::Parameters => Vec2::new(uv[0], uv[1]),
         };
         self.own.apply(&p)

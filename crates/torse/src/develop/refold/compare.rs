@@ -29,14 +29,20 @@ pub struct Comparison {
 
 /// Samples inside a part, about.
 const SAMPLES: usize = 2000;
+/// The same where ways to lay panels onto an outline are told apart, which differ by whole bends.
+const FEW_SAMPLES: usize = 200;
 /// Steps at most towards the nearest point of the refolded surface: each squares what is left of the first, which is small.
 const STEPS: usize = 5;
 
 /// Points inside a part on a grid, and the joints of its outlines.
 pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
+    so_many(part, SAMPLES)
+}
+
+fn so_many(part: &FlatPart, wanted: usize) -> Vec<Vec2> {
     let (lo, hi) = bounds(&part.loops);
     let whole: f64 = part.loops.iter().map(|l| crate::geom::polygon::area(l)).sum();
-    let (inside, step) = (Inside::of(&part.loops), (whole / SAMPLES as f64).sqrt());
+    let (inside, step) = (Inside::of(&part.loops), (whole / wanted as f64).sqrt());
     let mut out: Vec<Vec2> = part.joints.iter().flatten().copied().collect();
     let count = |d: f64| ((d / step).floor() as usize).max(1);
     let (n, m) = (count(hi.x - lo.x), count(hi.y - lo.y));
@@ -59,23 +65,38 @@ pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
 type Pair = (Vec2, Vec3, OnPanel, Vec3);
 
 /// A refolded part laid onto its panels.
-pub(crate) struct Matched {
+struct Matched {
     pairs: Vec<Pair>,
     motion: Placement,
     /// Root mean square of the distances of samples from the places where they belong, mm.
-    pub mean_estimate: f64,
+    mean_estimate: f64,
 }
 
-/// Lays a refolded part onto its panels. `None` where no sample is on both.
-pub(crate) fn matched(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Matched> {
+/// Of several ways to lay the panels onto an outline the one that the bends agree with. `None` where no sample is on both.
+pub(crate) fn best<'a>(part: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -> Option<&'a Atlas> {
+    if let [one] = all {
+        return Some(one);
+    }
+    let few = so_many(part, FEW_SAMPLES);
+    let mut out: Option<(&Atlas, f64)> = None;
+    for atlas in all {
+        let Some(way) = matched(few.clone(), refolded, atlas) else { continue };
+        // Ways that differ by rounding only: the first, whose outline begins where the panels do.
+        if out.is_none_or(|b| way.mean_estimate < 0.9 * b.1) {
+            out = Some((atlas, way.mean_estimate));
+        }
+    }
+    out.map(|b| b.0)
+}
+
+/// Lays samples of a refolded part onto its panels. `None` where none is on both.
+fn matched(samples: Vec<Vec2>, refolded: &Refolded, atlas: &Atlas) -> Option<Matched> {
     let pair = |q: Vec2| {
         let (place, on) = (refolded.locate(&q)?, atlas.from_flat(&q)?);
         Some((q, refolded.frame(&place).0, on, atlas.space(&on)))
     };
-    let pairs: Vec<Pair> = parallel::map(samples(part).into_iter().filter(|q| refolded.is_of_one(q)), pair)
-        .into_iter()
-        .flatten()
-        .collect();
+    let pairs: Vec<Pair> =
+        parallel::map(samples.into_iter().filter(|q| refolded.is_of_one(q)), pair).into_iter().flatten().collect();
     let motion = best_motion(&pairs.iter().map(|p| (p.1, p.3)).collect::<Vec<_>>())?;
     let mut out = Matched { pairs, motion, mean_estimate: 0.0 };
     out.mean_estimate = (out.pairs.iter().map(|p| out.off(p).powi(2)).sum::<f64>() / out.pairs.len() as f64).sqrt();
@@ -88,7 +109,7 @@ impl Matched {
     }
 
     /// How far it is from these panels.
-    pub fn compared(&self, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
+    fn compared(&self, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
         let Self { pairs, motion, mean_estimate } = self;
         let worst = pairs.iter().max_by(|a, b| self.off(a).total_cmp(&self.off(b)))?;
         let back = motion.inverse()?;
@@ -109,7 +130,7 @@ impl Matched {
 
 /// Compares a refolded part with its panels. `None` where no sample is on both.
 pub(crate) fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
-    matched(part, refolded, atlas)?.compared(refolded, atlas)
+    matched(samples(part), refolded, atlas)?.compared(refolded, atlas)
 }
 
 /// Distance of a point from the refolded surface near the image of `q`.

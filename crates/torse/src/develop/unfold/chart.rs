@@ -111,6 +111,14 @@ impl Chart {
         }
     }
 
+    /// Place in the plane of the point `x` of the face's surface at the parameters `uv`.
+    pub(crate) fn flat_at(&self, uv: [f64; 2], x: &Vec3) -> Vec2 {
+        match &self.kind {
+            Kind::Ruled(r) => r.flat_on(r.on_face(uv), x),
+            Kind::Plane(_) | Kind::Round { .. } => self.flat(x, Some(uv)),
+        }
+    }
+
     /// Place in the plane of a point of the ruling at a parameter, on a face without closed form: told apart from others that
     /// pass there, which the nearest place on a surface that meets itself or turns sharply is not.
     pub(super) fn flat_on_ruling(&self, s: f64, x: &Vec3) -> Vec2 {

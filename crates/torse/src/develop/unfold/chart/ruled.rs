@@ -309,9 +309,20 @@ impl Ruled {
         ends.iter().all(|p| p.iter().all(|x| x.is_finite())).then_some(ends)
     }
 
+    /// Parameters of the first and the last ruling.
+    fn ends(&self) -> (f64, f64) {
+        (self.nodes[0].0, self.nodes[self.nodes.len() - 1].0)
+    }
+
+    /// Parameter of the ruling through a place of the parameter plane; the first or the last beyond these.
+    pub(super) fn on_face(&self, uv: [f64; 2]) -> f64 {
+        let (first, last) = self.ends();
+        uv[usize::from(self.swapped)].clamp(first, last)
+    }
+
     /// Parameter of the ruling on which a point lies.
     pub(super) fn parameter(&self, x: &Vec3, uv: [f64; 2]) -> f64 {
-        let (first, last) = (self.nodes[0].0, self.nodes[self.nodes.len() - 1].0);
+        let (first, last) = self.ends();
         let mut s = if self.swapped { uv[1] } else { uv[0] };
         // The guide keeps near the edge; Newton's steps bring it to the point's own ruling.
         for _ in 0..8 {
