@@ -7,7 +7,7 @@ use crate::geom::placement::Placement;
 use crate::geom::polygon::bounds;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::triangulate::triangulate;
-use crate::torse::ribbon::Spot;
+use crate::torse::ribbon::{Ribbon, Spot};
 
 /// Turn (rad) from line to line of triangles, about 2°.
 const TURN: f64 = 0.035;
@@ -28,7 +28,7 @@ pub fn mesh(part: &Refolded, motion: &Placement) -> Result<(Mesh, Vec<Vec<Vec3>>
 
 fn add(leaf: &Leaf, motion: &Placement, out: &mut Mesh, borders: &mut Vec<Vec<Vec3>>) -> Result<(), RefoldError> {
     let (lo, hi) = bounds(&leaf.loops);
-    let step = (hi - lo).max() / GRID as f64;
+    let step = (hi - lo).max() / cells(&leaf.ribbon);
     let grid = |k: usize| {
         let n = ((hi[k] - lo[k]) / step).ceil().max(1.0) as usize;
         (0..=n).map(|i| lo[k] + (hi[k] - lo[k]) * i as f64 / n as f64).collect::<Vec<_>>()
@@ -66,8 +66,14 @@ fn add(leaf: &Leaf, motion: &Placement, out: &mut Mesh, borders: &mut Vec<Vec<Ve
     Ok(())
 }
 
-/// Lines of the grid over the longer side of a part.
-const GRID: usize = 120;
+/// Cells of the grid over the longer side of a part: least and most.
+const GRID: (f64, f64) = (16.0, 120.0);
+
+/// Cells of the grid by how far the sheet turns in all.
+fn cells(ribbon: &Ribbon) -> f64 {
+    let turn: f64 = ribbon.spans.iter().map(|s| s.in_space.turn.abs()).sum();
+    (turn / TURN).ceil().clamp(GRID.0, GRID.1)
+}
 
 /// The outlines of a region in the coordinates of its ribbon.
 pub(crate) fn spots(leaf: &Leaf) -> Vec<Vec<[f64; 2]>> {
@@ -108,4 +114,22 @@ pub fn lines(leaf: &Leaf, a: f64, b: f64) -> Vec<f64> {
     }
     lines.push(b);
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::torse::ribbon::pose::{Pose, Rates};
+    use crate::torse::ribbon::Span;
+
+    #[test]
+    fn grids_are_as_fine_as_the_sheet_turns() {
+        let of = |turn: f64| {
+            let rates = Rates { turn, across: 5.0, ..Rates::default() };
+            let pose = Pose::flat(Vec2::zeros(), Vec2::x());
+            let span = Span { flat: pose, space: pose, in_plane: rates, in_space: rates, reach: [0.0, 1.0] };
+            cells(&Ribbon { spans: vec![span; 4] })
+        };
+        assert_eq!([0.0, 0.3, -0.3, 5.0].map(of), [GRID.0, 35.0, 35.0, GRID.1]);
+    }
 }
