@@ -71,6 +71,8 @@ impl Piece {
     }
 }
 
+/// Decimals of millimetres to which files tell letters, whose lines no part depends on.
+pub(crate) const LETTER_DECIMALS: usize = 3;
 /// Chord error (share of the pattern's length) of the outlines on which the place of the name is sought.
 const ROUGH: f64 = 1e-3;
 /// The same as a share of the pattern's mean width: names keep off the outlines of narrow parts.

@@ -11,7 +11,7 @@
 use std::fmt::{Display, Write as _};
 use std::io;
 
-use crate::draw::drawing::Drawing;
+use crate::draw::drawing::{Drawing, LETTER_DECIMALS};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour, MarkLine};
@@ -47,8 +47,6 @@ const SECTION: &str = "MARK_SECTION";
 /// Curves of the model that lie on the part.
 const CURVE: &str = "MARK_CURVE";
 const TEXT: &str = "TEXT";
-/// Decimals of millimetres in letters.
-const LETTERS: usize = 3;
 /// The test square.
 const SCALE: &str = "SCALE_CHECK";
 /// Everything of parts that must not be cut: nothing of them is on a layer that a machine follows.
@@ -296,7 +294,7 @@ impl Pairs {
     /// Part of a letter.
     fn stroke(&mut self, layer: &str, points: &[Vec2]) {
         self.head(layer, false, points.len());
-        let decimals = self.unit.decimals(LETTERS);
+        let decimals = self.unit.decimals(LETTER_DECIMALS);
         for p in points {
             self.rounded(10, self.unit.of(p.x), decimals);
             self.rounded(20, self.unit.of(p.y), decimals);

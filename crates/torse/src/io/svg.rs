@@ -8,7 +8,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use crate::draw::drawing::{Drawing, Piece};
+use crate::draw::drawing::{Drawing, Piece, LETTER_DECIMALS};
 use crate::draw::scene::titled;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
@@ -41,8 +41,6 @@ const SCALE: &str = "scale-check";
 
 /// Decimals of millimetres.
 const LENGTHS: usize = 6;
-/// The same in letters.
-const LETTERS: usize = 3;
 
 /// The file of a drawing.
 ///
@@ -73,7 +71,7 @@ pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
         );
         let [a, b, c, d] = square.corners;
         let mut paths = vec![document.open(&[a, b, c, d, a])];
-        paths.extend(square.text.iter().map(|s| document.polyline(s, LETTERS)));
+        paths.extend(square.text.iter().map(|s| document.polyline(s, LETTER_DECIMALS)));
         for path in paths {
             _ = writeln!(document.text, "<path d=\"{path}\"/>");
         }
@@ -137,7 +135,7 @@ impl Document {
             .map(|sense| piece.bent(sense).map(|l| self.open(l)).collect::<Vec<_>>());
         let marks = piece.marks.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         // One path for all letters: they are never picked one by one.
-        let text = piece.text.iter().map(|s| self.polyline(s, LETTERS)).collect::<Vec<_>>().concat();
+        let text = piece.text.iter().map(|s| self.polyline(s, LETTER_DECIMALS)).collect::<Vec<_>>().concat();
         let text = if text.is_empty() { Vec::new() } else { vec![text] };
         let extents = piece.extents.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         let formed = piece.formed.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
