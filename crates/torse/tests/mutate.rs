@@ -15,6 +15,7 @@ mod readers;
 mod specimen;
 
 use case::Verdict;
+use std::collections::BTreeSet;
 
 const CASES: u64 = 10_000;
 const SEED: u64 = 7;
@@ -31,11 +32,15 @@ fn damaged_files_are_read_or_refused_with_a_message() {
     }
     case::silence();
     let (mut read, mut refused, mut bad) = (0, 0, Vec::new());
+    let mut unread: BTreeSet<&str> = readers::READERS.iter().map(|r| r.name).collect();
     for number in 0..CASES {
         let (reader, bytes) = case::case(&stock, SEED, number);
         let outcome = case::tried(reader, &bytes);
         match outcome.verdict {
-            Verdict::Read => read += 1,
+            Verdict::Read => {
+                read += 1;
+                unread.remove(reader.name);
+            }
             Verdict::Refused => refused += 1,
             other => bad.push(format!("{}, case {number}: {other:?} {}", reader.name, outcome.told)),
         }
@@ -46,6 +51,7 @@ fn damaged_files_are_read_or_refused_with_a_message() {
     // What is wrong is told aloud again.
     drop(std::panic::take_hook());
     assert!(bad.is_empty(), "{}", bad.join("\n"));
-    // Changes that matter, and changes that do not.
+    // Changes that matter, and changes that do not, to every reader.
+    assert!(unread.is_empty(), "{unread:?}");
     assert!(read > CASES / 10 && refused > CASES / 4, "{read} read, {refused} refused");
 }
