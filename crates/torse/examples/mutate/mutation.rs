@@ -44,7 +44,7 @@ const COUNTS: [u32; 6] = [0, 1, 1000, 0x7fff_ffff, 0x8000_0000, u32::MAX];
 /// Coordinates of binary files.
 const FLOATS: [f32; 6] = [0.0, -0.0, f32::NAN, f32::INFINITY, f32::MAX, 1e-45];
 /// Longest file that is tried, in bytes, longer than any good one: small files are many files.
-const LONGEST: usize = 1 << 17;
+pub const LONGEST: usize = 1 << 17;
 /// Most times that a byte is repeated: as deep as nesting goes.
 const DEEP: usize = 1 << 14;
 

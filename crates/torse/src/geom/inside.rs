@@ -58,18 +58,15 @@ impl Inside {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::polygon;
+    use crate::geom::polygon::{self, tests::ring};
 
     #[test]
     fn rows_tell_what_all_sides_tell() {
-        let ring = |radius: f64, count: usize| -> Vec<Vec2> {
-            let at = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
-            let wave = |a: f64| radius * (1.0 + 0.3 * (7.0 * a).sin());
-            (0..count).map(|k| Vec2::new(at(k).cos(), at(k).sin()) * wave(at(k))).collect()
-        };
+        let wave = |radius: f64, a: f64| Vec2::new(a.cos(), a.sin()) * (radius * (1.0 + 0.3 * (7.0 * a).sin()));
+        let waves = |radius: f64, count: usize| ring(count, |a| wave(radius, a));
         // A body with a hole, a triangle, and polygons of no height and of nothing.
         let flat = vec![Vec2::new(0.0, 9.0), Vec2::new(4.0, 9.0)];
-        let all = [ring(10.0, 3000), ring(4.0, 50), ring(1.0, 3), flat, Vec::new()];
+        let all = [waves(10.0, 3000), waves(4.0, 50), waves(1.0, 3), flat, Vec::new()];
         let inside = Inside::of(&all);
         let mut held = 0;
         for k in 0..4000 {

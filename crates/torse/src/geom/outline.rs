@@ -58,15 +58,11 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::polygon::distance;
+    use crate::geom::polygon::{distance, tests::ring};
 
     #[test]
     fn sides_are_as_near_as_among_all() {
-        let ring = |radius: f64, count: usize| -> Vec<Vec2> {
-            let at = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
-            (0..count).map(|k| Vec2::new(2.0 * at(k).cos(), at(k).sin()) * radius).collect()
-        };
-        let loops = [ring(10.0, 700), ring(4.0, 50)];
+        let loops = [(10.0, 700), (4.0, 50)].map(|(r, n)| ring(n, |a| Vec2::new(2.0 * a.cos(), a.sin()) * r));
         let outline = Outline::of(&loops);
         for k in 0..500 {
             let x = Vec2::new((0.37 * f64::from(k)).sin(), (0.73 * f64::from(k)).cos()) * 25.0;

@@ -59,8 +59,13 @@ pub(crate) fn corner_near(loops: &[Vec<Vec2>], q: Vec2, near: f64) -> Vec2 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Corners of a closed curve at equal angles.
+    pub fn ring(count: usize, at: impl Fn(f64) -> Vec2) -> Vec<Vec2> {
+        (0..count).map(|k| at(std::f64::consts::TAU * k as f64 / count as f64)).collect()
+    }
 
     #[test]
     fn a_square_with_a_hole() {

@@ -6,7 +6,7 @@ use super::leaf::Refolded;
 use crate::brep::project::refine;
 use crate::geom::inside::Inside;
 use crate::geom::placement::Placement;
-use crate::geom::polygon::bounds;
+use crate::geom::polygon::{area, bounds};
 use crate::geom::{Vec2, Vec3};
 use crate::num::parallel;
 use nalgebra::Matrix3;
@@ -41,7 +41,7 @@ pub(crate) fn samples(part: &FlatPart) -> Vec<Vec2> {
 
 fn so_many(part: &FlatPart, wanted: usize) -> Vec<Vec2> {
     let (lo, hi) = bounds(&part.loops);
-    let whole: f64 = part.loops.iter().map(|l| crate::geom::polygon::area(l)).sum();
+    let whole: f64 = part.loops.iter().map(|l| area(l)).sum();
     let (inside, step) = (Inside::of(&part.loops), (whole / wanted as f64).sqrt());
     let mut out: Vec<Vec2> = part.joints.iter().flatten().copied().collect();
     let count = |d: f64| ((d / step).floor() as usize).max(1);

@@ -11,6 +11,7 @@ use super::leaf::{Leaf, Refolded};
 use super::lines::{check, order, whole_lines, Whole};
 use super::skin::skin;
 use super::RefoldError;
+use crate::geom::polygon::bounds;
 use crate::geom::Vec2;
 use crate::torse::ribbon::pose::{Pose, Rates};
 use crate::torse::ribbon::{Ribbon, Span};
@@ -81,7 +82,7 @@ fn plane(part: &FlatPart) -> Refolded {
 
 /// The rulings of a plane region; `frame` is where the frame of the drawing is in space.
 pub(super) fn plane_ribbon(loops: &[Vec<Vec2>], frame: Pose) -> Ribbon {
-    let (lo, hi) = crate::geom::polygon::bounds(loops);
+    let (lo, hi) = bounds(loops);
     let flat = Pose::flat(lo, Vec2::x());
     let space = Pose { axes: frame.axes, at: frame.point(lo.x, lo.y) };
     let step = Rates { across: hi.y - lo.y, ..Rates::default() };

@@ -9,6 +9,7 @@ use crate::develop::pattern::developed;
 use crate::develop::strip;
 use crate::develop::unfold::part::PlacedChart;
 use crate::develop::unfold::region::Motion;
+use crate::geom::polygon::crossings;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Panel, Patchwork};
@@ -240,7 +241,7 @@ impl<'a> Laid<'a> {
         let [a, b] = self.ruling(panel, t + INWARDS * (0.5 * (first + last) - t));
         let length = (b - a).norm();
         let Some(way) = (b - a).try_normalize(0.0) else { return Vec::new() };
-        let cuts = crate::geom::polygon::crossings(loops, &a, &way);
+        let cuts = crossings(loops, &a, &way);
         cuts.chunks_exact(2)
             .map(|c| [c[0] / length, c[1] / length].map(|s| s.clamp(0.0, 1.0)))
             .filter(|c| c[1] > c[0])
