@@ -12,11 +12,13 @@ pub use workspace::discard;
 
 use crate::failure::{os_reason, Failure};
 use crate::input::first_read;
-use manifest::{Entry, Inventory, MANIFEST};
-use std::cell::RefCell;
+use manifest::{Counted, Entry, Inventory, MANIFEST};
+use std::collections::BTreeMap;
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use torse::io::bundle::Contents;
 use workspace::{Form, Workspace};
 
 /// Names that are tried for a result whose place was taken meanwhile.
@@ -41,7 +43,26 @@ pub struct Output {
     name: String,
     place: Place,
     workspace: Workspace,
-    written: RefCell<Vec<Entry>>,
+    /// By name: a file that is written twice counts once.
+    written: Mutex<BTreeMap<String, Entry>>,
+}
+
+/// A file that is written, and what its list says of it.
+struct Listed<'a> {
+    out: io::BufWriter<fs::File>,
+    counted: &'a mut Counted,
+}
+
+impl Write for Listed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.counted.add(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }
 
 /// Where a result came to be.
@@ -61,13 +82,13 @@ impl Output {
     /// others), is a file or a link, holds the input or the working folder, or its parent cannot be written.
     pub fn prepare(target: &Path, input: &Path, force: bool) -> Result<Self, Failure> {
         let (parent, name) = place_of(target)?;
-        workspace::clean(&parent, &name, Form::Folder);
+        workspace::clean(&parent, Form::Folder);
         let place = match fs::symlink_metadata(target) {
             Ok(metadata) => inspect(target, &metadata, input, force)?,
             Err(_) => Place::Free,
         };
         let workspace = workspace_in(&parent, &name, Form::Folder)?;
-        Ok(Self { target: target.to_path_buf(), parent, name, place, workspace, written: RefCell::default() })
+        Ok(Self { target: target.to_path_buf(), parent, name, place, workspace, written: Mutex::default() })
     }
 
     /// The temporary folder, to be given to [`discard`] should the program have to end at once.
@@ -75,32 +96,44 @@ impl Output {
         self.workspace.path()
     }
 
-    /// Writes one file and makes sure that it has reached the disk.
+    /// Writes one file, over one of its name, and makes sure that it has reached the disk.
     ///
     /// # Errors
     /// Whatever the disk says; the temporary folder is then removed with the value.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-        self.put(name, bytes)?;
-        self.written.borrow_mut().push(Entry::of(name, bytes));
+        self.write_by(name, &mut |out| out.write_all(bytes))
+    }
+
+    /// As [`Output::write`], of contents that are written piece by piece.
+    ///
+    /// # Errors
+    /// As [`Output::write`], and those of `contents`.
+    pub fn write_by(&self, name: &str, contents: Contents) -> Result<(), Failure> {
+        let entry = self.put(name, contents)?;
+        self.written().insert(name.to_owned(), entry);
         Ok(())
     }
 
-    fn put(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-        let written = fs::File::create(self.workspace.result().join(name)).and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
+    fn written(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
+        self.written.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn put(&self, name: &str, contents: Contents) -> Result<Entry, Failure> {
+        let mut counted = Counted::default();
+        let written = fs::File::create(self.workspace.result().join(name)).and_then(|file| {
+            let mut out = Listed { out: io::BufWriter::new(file), counted: &mut counted };
+            contents(&mut out)?;
+            out.out.into_inner()?.sync_all()
         });
-        written.map_err(|e| {
-            Failure::new(
-                format!(
-                    "cannot write {name} ({} kB) for '{}': {}",
-                    bytes.len() / 1024 + 1,
-                    self.target.display(),
-                    os_reason(&e)
-                ),
+        let of_disk = |e: &io::Error| !matches!(e.kind(), io::ErrorKind::InvalidData | io::ErrorKind::InvalidInput);
+        match written {
+            Ok(()) => Ok(counted.entry(name)),
+            Err(e) if of_disk(&e) => Err(Failure::new(
+                format!("cannot write {name} for '{}': {}", self.target.display(), os_reason(&e)),
                 "nothing was written; free some space or choose another disk",
-            )
-        })
+            )),
+            Err(e) => Err(Failure::new(format!("cannot write {name}: {e}"), "this is a fault of the program")),
+        }
     }
 
     /// Moves the complete result into its place, or, where that was taken meanwhile, beside it; tells on stderr what
@@ -119,10 +152,11 @@ impl Output {
 
     fn deliver(self) -> Result<Delivered, Failure> {
         let shown = self.target.display().to_string();
-        let list = manifest::text(&self.written.borrow()).map_err(|e| {
+        let written: Vec<Entry> = self.written().values().cloned().collect();
+        let list = manifest::text(&written).map_err(|e| {
             Failure::new(format!("cannot list the files of '{shown}': {e}"), "this is a fault of the program")
         })?;
-        self.put(MANIFEST, list.as_bytes())?;
+        self.put(MANIFEST, &mut |out| out.write_all(list.as_bytes()))?;
         let taken = match self.settle() {
             Ok(()) => {
                 let remark = match &self.place {

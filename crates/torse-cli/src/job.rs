@@ -99,8 +99,11 @@ impl<'a> Job<'a> {
     }
 
     /// Writes the files of an answer, which are judged with it, each under the name that `named` gives it.
-    pub fn write_answer(&self, answer: &mut Answer, named: impl Fn(String) -> String) -> Result<(), Failure> {
-        deliver::each_file(answer, &crate::clock::stamp(), &mut |(name, bytes)| self.output.write(&named(name), &bytes))
+    pub fn write_answer(&self, answer: &mut Answer, named: impl Fn(String) -> String + Sync) -> Result<(), Failure> {
+        let output = &self.output;
+        deliver::each_file(answer, &crate::clock::stamp(), &|name, contents| {
+            output.write_by(&named(name.to_owned()), contents)
+        })
     }
 
     /// Moves the folder into place and tells the result; `Ok(true)` means certified.
@@ -150,7 +153,7 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         }
     }
     if interrupted {
-        writeln!(out, "  stopped early by Ctrl-C")?;
+        writeln!(out, "  stopped early, as asked")?;
     }
     for (c, name) in words::whole(answer) {
         // Of parts that have panels, the whole is covered.

@@ -31,7 +31,7 @@ pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
     job.say("reading");
     let model = read(arguments, &bytes)?;
     drop(bytes);
-    one(arguments, &model, job)
+    one(arguments, model, job)
 }
 
 /// Reads what was chosen of the file.
@@ -44,8 +44,8 @@ fn read(arguments: &Unroll, bytes: &[u8]) -> Result<Model, Failure> {
     Ok(model)
 }
 
-/// One result.
-fn one(arguments: &Unroll, model: &Model, job: Job) -> Result<bool, Failure> {
+/// One result; the model is forgotten before it is written.
+fn one(arguments: &Unroll, model: Model, job: Job) -> Result<bool, Failure> {
     let file = &arguments.file;
     let options = UnrollOptions {
         k: if arguments.surfaces { KFactor::default() } else { job.k().unwrap_or_default() },
@@ -58,7 +58,8 @@ fn one(arguments: &Unroll, model: &Model, job: Job) -> Result<bool, Failure> {
         input: arguments.files.job_name(file),
         ..UnrollOptions::new(arguments.tolerance.mm)
     };
-    let mut answer = wiring::unroll(model, &options, job.control())?;
+    let mut answer = wiring::unroll(&model, &options, job.control())?;
+    drop(model);
     if arguments.strict {
         refuse_left_out(file, &answer.skipped)?;
     }
@@ -86,7 +87,7 @@ fn split(arguments: &Unroll, bytes: &[u8], count: usize) -> Result<bool, Failure
         }
         let name = format!("{:0digits$}", k + 1);
         let own = Files { out: files.out.join(&name), ..files.clone() };
-        let made = Job::within(&own, &arguments.file, &terminal).and_then(|job| one(arguments, &model, job));
+        let made = Job::within(&own, &arguments.file, &terminal).and_then(|job| one(arguments, model, job));
         match made {
             Ok(good) => certified &= good,
             Err(failure) if whole == 1 => return Err(failure),

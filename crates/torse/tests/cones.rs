@@ -86,8 +86,7 @@ fn exact_faces_are_written_and_read_back() {
     let circular = ConeSpline { segments: fit.spline.segments[..2].to_vec() }.with_circular_edges(2.0, 2.4);
     assert!(circular.segments.iter().all(|s| s.fault().is_none()));
     for spline in [fit.spline, circular] {
-        let (_, bytes) = exact(
-            "cones.step",
+        let bytes = exact(
             "helix",
             &[ConeBody { name: "A".into(), spline: spline.clone(), part: None }],
             false,

@@ -39,7 +39,7 @@ impl LoneFile {
         if target.file_name().is_some_and(|n| n.to_str().is_none()) || name == MANIFEST {
             return Err(Failure::new(format!("'{shown}' is no name for a file of this command"), OTHER));
         }
-        workspace::clean(&parent, &name, Form::File);
+        workspace::clean(&parent, Form::File);
         let earlier = match fs::symlink_metadata(target) {
             Err(_) => None,
             Ok(found) if found.is_symlink() => return Err(Failure::new(format!("'{shown}' is a link"), OTHER)),
@@ -240,9 +240,9 @@ mod tests {
                 fs::rename(result.join("m.csv"), &target).expect("put");
             }
             // A folder of that name would be another run's business.
-            workspace::clean(room.path(), "m.csv", Form::Folder);
+            workspace::clean(room.path(), Form::Folder);
             assert_eq!(names(room.path()).len(), if stage == 1 { 1 } else { 2 });
-            workspace::clean(room.path(), "m.csv", Form::File);
+            workspace::clean(room.path(), Form::File);
             assert_eq!(names(room.path()), ["m.csv"], "stage {stage}");
             assert_eq!(read(&target), "torse 0", "stage {stage}");
         }

@@ -71,29 +71,50 @@ pub struct Entry {
     pub name: String,
     /// Size.
     pub bytes: u64,
-    /// [`fingerprint`] of the contents.
+    /// That of [`Counted`] contents.
     pub fingerprint: String,
 }
 
 impl Entry {
     /// The entry of these contents.
     pub fn of(name: &str, contents: &[u8]) -> Self {
-        Self { name: name.to_owned(), bytes: contents.len() as u64, fingerprint: fingerprint(contents) }
+        let mut counted = Counted::default();
+        counted.add(contents);
+        counted.entry(name)
     }
 
     /// Whether `path` is a plain file with exactly these contents. Links are not: what they lead to is not ours.
     pub fn is(&self, path: &Path) -> bool {
         let same_size = fs::symlink_metadata(path).is_ok_and(|m| m.is_file() && m.len() == self.bytes);
-        same_size && fs::read(path).is_ok_and(|contents| fingerprint(&contents) == self.fingerprint)
+        same_size && fs::read(path).is_ok_and(|contents| Self::of("", &contents).fingerprint == self.fingerprint)
     }
 }
 
-/// 64 bits that change when contents change (FNV-1a): against slips, not against malice.
-fn fingerprint(contents: &[u8]) -> String {
-    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0100_0000_01b3;
-    let hash = contents.iter().fold(BASIS, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME));
-    format!("{hash:016x}")
+/// Size and fingerprint of contents that come in stretches: 64 bits that change when contents change (FNV-1a), against slips, not
+/// against malice.
+pub struct Counted {
+    bytes: u64,
+    hash: u64,
+}
+
+impl Default for Counted {
+    fn default() -> Self {
+        Self { bytes: 0, hash: 0xcbf2_9ce4_8422_2325 }
+    }
+}
+
+impl Counted {
+    /// Adds the next stretch.
+    pub fn add(&mut self, contents: &[u8]) {
+        const PRIME: u64 = 0x0100_0000_01b3;
+        self.bytes += contents.len() as u64;
+        self.hash = contents.iter().fold(self.hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME));
+    }
+
+    /// The entry of all of them.
+    pub fn entry(&self, name: &str) -> Entry {
+        Entry { name: name.to_owned(), bytes: self.bytes, fingerprint: format!("{:016x}", self.hash) }
+    }
 }
 
 /// The list as a file.

@@ -78,8 +78,8 @@ fn remove(folder: &Path, input: &Path, job: &str) -> Result<bool, String> {
         return Err("it is the result of another job".into());
     }
     // What a killed run has left beside it goes as well.
-    if let (Some(parent), Some(name)) = (folder.parent(), folder.file_name().and_then(|n| n.to_str())) {
-        workspace::clean(parent, name, Form::Folder);
+    if let Some(parent) = folder.parent() {
+        workspace::clean(parent, Form::Folder);
     }
     // The list, by which the others are known, last.
     for entry in found.own.iter().rev() {

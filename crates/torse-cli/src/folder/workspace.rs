@@ -65,9 +65,12 @@ pub struct Workspace {
     _lock: File,
 }
 
+/// What the names of workspaces have in common.
+const PARTIAL: &str = ".partial-";
+
 /// How the names of the workspaces for a target begin.
 fn prefix(name: &str) -> String {
-    format!(".{name}.partial-")
+    format!(".{name}{PARTIAL}")
 }
 
 impl Workspace {
@@ -258,18 +261,22 @@ pub fn discard(workspace: &Path) -> io::Result<()> {
     fs::remove_dir(workspace)
 }
 
-/// Cleans what killed runs for the target `name` have left in `parent`: earlier files go back to their place, half of a
+/// Cleans what killed runs, whatever their targets, have left in `parent`: earlier files go back to their place, half of a
 /// result goes away. What belongs to a run that lives is left alone, and so is what is not understood.
-pub fn clean(parent: &Path, name: &str, form: Form) {
-    let target = form.files_in(parent, name);
+pub fn clean(parent: &Path, form: Form) {
     let Ok(entries) = fs::read_dir(parent) else { return };
     for entry in entries.flatten() {
-        let named = entry.file_name().to_str().is_some_and(|n| n.starts_with(&prefix(name)));
-        if !named || !entry.file_type().is_ok_and(|t| t.is_dir()) {
+        let Some(name) = entry.file_name().to_str().map(str::to_owned).filter(|n| n.contains(PARTIAL)) else {
+            continue;
+        };
+        if !entry.file_type().is_ok_and(|t| t.is_dir()) {
             continue;
         }
         let path = entry.path();
-        let Some(_lock) = dead(&path, name, form) else { continue };
+        let Some((target, _lock)) = dead(&path, form).filter(|(target, _)| name.starts_with(&prefix(target))) else {
+            continue;
+        };
+        let target = form.files_in(parent, &target);
         // What resists stays, with its mark, for the next run.
         let _ = undo(&path, &target).and_then(|()| finished(&path)).and_then(|()| discard(&path));
     }
@@ -284,12 +291,13 @@ fn finished(workspace: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The lock of a workspace for the target `name` whose run has ended.
-fn dead(workspace: &Path, name: &str, form: Form) -> Option<File> {
+/// The target of a workspace whose run has ended, a name without folders, and its lock.
+fn dead(workspace: &Path, form: Form) -> Option<(String, File)> {
     let mark = workspace.join(RUN);
     let says: Mark = serde_json::from_slice(&fs::read(&mark).ok()?).ok()?;
+    let plain = Path::new(&says.target).file_name().is_some_and(|n| n == says.target.as_str());
     let lock = File::options().write(true).open(&mark).ok()?;
-    (says.schema == form.schema() && says.target == name && lock.try_lock().is_ok()).then_some(lock)
+    (says.schema == form.schema() && plain && lock.try_lock().is_ok()).then_some((says.target, lock))
 }
 
 #[cfg(test)]
@@ -316,11 +324,13 @@ mod tests {
         fs::create_dir(room.path().join(".panels.partial-mine")).expect("a folder of somebody else");
         fs::create_dir(room.path().join(".other.partial-x")).expect("a folder of somebody else");
         assert_eq!(names(room.path()).len(), 4);
-        clean(room.path(), "panels", Form::Folder);
+        clean(room.path(), Form::Folder);
         assert_eq!(names(room.path()).len(), 3);
         assert!(living.path().is_dir());
-        clean(room.path(), "other", Form::Folder);
-        assert_eq!(names(room.path()).len(), 3);
+        // Whatever the target was.
+        let other = Workspace::new(room.path(), "other", Form::Folder).expect("workspace").abandon();
+        clean(room.path(), Form::Folder);
+        assert!(names(room.path()).len() == 3 && !other.exists());
     }
 
     /// A run killed at any moment of an exchange: the next one finds either the old files or the new ones, all of them.
@@ -348,7 +358,7 @@ mod tests {
             for step in &steps[..=stage] {
                 step().expect("a step");
             }
-            clean(room.path(), "panels", Form::Folder);
+            clean(room.path(), Form::Folder);
             assert_eq!(names(room.path()), ["panels"], "stage {stage}");
             assert_eq!(names(&target), ["a", "b", "mine.txt", MANIFEST], "stage {stage}");
             assert_eq!(fs::read(target.join("a")).expect("file"), b"old");
@@ -362,7 +372,7 @@ mod tests {
         let workspace = killed(room.path(), &["a"]);
         fs::create_dir(workspace.join(OLD)).expect("folder");
         fs::write(workspace.join(OLD).join("a"), "old").expect("file");
-        clean(room.path(), "panels", Form::Folder);
+        clean(room.path(), Form::Folder);
         assert_eq!(names(room.path()), ["panels"]);
         assert_eq!(fs::read(target.join("a")).expect("file"), b"old");
     }

@@ -180,8 +180,7 @@ pub fn draw(folder: &Path) -> Result<()> {
     let pattern = cone_pattern(&circular, "A", 1e-4);
     let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }], &[], &DrawingOptions::default());
     std::fs::write(folder.join("fig17_flat.dxf"), dxf::write(&flat)?)?;
-    let (_, step) = exact(
-        "cones.step",
+    let step = exact(
         "three pairs",
         &[ConeBody { name: "A".into(), spline: circular, part: None }],
         false,

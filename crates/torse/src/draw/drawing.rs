@@ -1,7 +1,8 @@
 //! The cutter's drawing: patterns placed side by side, every letter a stroke, sorted by what the machine does with
 //! it. Curves of outlines stay lines and arcs. Lengths in mm, y upwards.
 
-use super::labels::{is_underlined, upright, Labels, TextPlace, UNDERLINE};
+use super::labels::{is_underlined, upright, Labels, UNDERLINE};
+pub use super::labels::{Lettering, TextPlace};
 use super::outside::{self, Unnamed};
 use super::scene::{titled, NOT_CERTIFIED};
 use super::{flat, stroke_font};
@@ -30,8 +31,8 @@ pub struct Drawing {
 pub struct TestSquare {
     /// Corners, counter-clockwise, mm.
     pub corners: [Vec2; 4],
-    /// Strokes of its size.
-    pub text: Vec<Vec<Vec2>>,
+    /// Its size in words.
+    pub texts: Vec<Lettering>,
 }
 
 /// One pattern as drawn.
@@ -57,13 +58,18 @@ pub struct Piece {
     pub curves: Vec<MarkLine>,
     /// Matching marks: short lines from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
-    /// Strokes of the panel's name and of the marks' labels.
-    pub text: Vec<Vec<Vec2>>,
+    /// The panel's name, words below it, and the marks' labels.
+    pub texts: Vec<Lettering>,
     /// Whether the part must not be cut: it is not certified.
     pub marked: bool,
 }
 
 impl Piece {
+    /// Strokes of all that is written on it.
+    pub fn strokes(&self) -> impl Iterator<Item = Vec<Vec2>> + '_ {
+        Lettering::all(&self.texts)
+    }
+
     /// The rulings about which the sheet bends in a sense.
     pub fn bent(&self, sense: BendSense) -> impl Iterator<Item = &[Vec2; 2]> {
         let of = move |k: usize| self.senses.get(k).copied().unwrap_or_default();
@@ -122,10 +128,21 @@ pub struct DrawingOptions {
     pub title: String,
     /// Name that each part has in the model, below its own, in the order of the patterns; default none.
     pub sources: Vec<String>,
+    /// What else is written on each part, in the order of the patterns; default nothing.
+    pub words: Vec<PartWords>,
     /// Unit of coordinates in files and of sizes in words; default mm.
     pub unit: LengthUnit,
     /// Whether a square of known size is drawn beside the parts, by which the shop sees the scale; default no.
     pub test_square: bool,
+}
+
+/// What is written on a part besides its name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartWords {
+    /// Lines below the name.
+    pub lines: Vec<String>,
+    /// Lines of the pattern, by their ends, and what is written beside them.
+    pub bends: Vec<([Vec2; 2], String)>,
 }
 
 /// Draws patterns at their places; patterns without a placement stay where they are, those without an entry in `marked`
@@ -141,8 +158,7 @@ pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], 
     let stay = Placement { angle: 0.0, offset: Vec2::zeros() };
     let drawn: Vec<Drawn> = parallel::map(patterns.iter().enumerate(), |(i, pattern)| {
         let placement = placements.get(i).unwrap_or(&stay);
-        let source = options.sources.get(i).map_or("", String::as_str);
-        piece(pattern, placement, (marked.get(i).copied().unwrap_or(false), source), options)
+        piece(pattern, placement, (marked.get(i).copied().unwrap_or(false), i), options)
     });
     let unnamed: Vec<Unnamed> = drawn
         .iter()
@@ -152,15 +168,16 @@ pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], 
         .collect();
     let (pieces, outlines): (Vec<_>, Vec<_>) = drawn.into_iter().map(|d| (d.piece, d.outlines)).unzip();
     d.pieces = pieces;
-    for (u, strokes) in unnamed.iter().zip(outside::names(&unnamed, &outlines)) {
-        d.pieces[u.part].text.extend(strokes.into_iter().flatten());
+    for (u, texts) in unnamed.iter().zip(outside::names(&unnamed, &outlines)) {
+        d.pieces[u.part].texts.extend(texts.into_iter().flatten());
     }
     for piece in &d.pieces {
         for c in piece.outer.iter().chain(&piece.inner) {
             extend(c, &mut low, &mut high);
         }
-        for p in piece.text.iter().flatten().chain(piece.rulings.iter().chain(&piece.marks).flatten()) {
-            (low, high) = (low.inf(p), high.sup(p));
+        let lines = piece.rulings.iter().chain(&piece.marks).flatten().copied();
+        for p in piece.strokes().flatten().chain(lines) {
+            (low, high) = (low.inf(&p), high.sup(&p));
         }
     }
     if low.x <= high.x {
@@ -185,7 +202,7 @@ fn square_below(d: &mut Drawing, unit: LengthUnit) -> TestSquare {
     let middle = corner + Vec2::repeat(0.5 * side);
     labels.write(words, &TextPlace { middle, along: Vec2::x(), height: SQUARE_WORDS * side });
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| corner + Vec2::new(x, y) * side);
-    TestSquare { corners, text: labels.strokes }
+    TestSquare { corners, texts: labels.texts }
 }
 
 /// Extends a box by a contour, arcs included.
@@ -219,8 +236,11 @@ struct Drawn {
     beside: Vec<String>,
 }
 
-/// One pattern where it is placed; whether it must not be cut, and its name in the model.
-fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str), options: &DrawingOptions) -> Drawn {
+/// One pattern where it is placed; whether it must not be cut, and its number.
+fn piece(pattern: &Pattern, placement: &Placement, (marked, index): (bool, usize), options: &DrawingOptions) -> Drawn {
+    let source = options.sources.get(index).cloned().unwrap_or_default();
+    let none = PartWords::default();
+    let written = options.words.get(index).unwrap_or(&none);
     let contour = |c: &Contour| Contour {
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     };
@@ -258,8 +278,8 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         piece.sections.iter().chain(&piece.curves).map(|l| flat::line_points(l, chord)).collect();
     let strokes = drawn.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
     let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(strokes).collect());
-    let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
-    let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
+    let lines = [options.title.clone(), source, seen_from(pattern), sizes(pattern, options.unit)];
+    let lines: Vec<&str> = lines.iter().chain(&written.lines).map(String::as_str).filter(|l| !l.is_empty()).collect();
     let mut beside = Vec::new();
     let has_room = rough.room > 0.0 && words(&mut labels, &pattern.name, &lines, (place, room), marked);
     if !has_room && !pattern.name.is_empty() {
@@ -269,6 +289,9 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
     }
+    for (bend, label) in &written.bends {
+        labels.put(label, places_beside(label, &line(bend), height));
+    }
     let named = pattern.sections.iter().chain(&pattern.curves).zip(&drawn);
     for (k, (mark, line)) in named.enumerate().filter(|(_, (mark, _))| !mark.label.is_empty()) {
         let stands = labels.put(&mark.label, places_beside(&mark.label, line, height));
@@ -277,7 +300,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
             labels.put(&mark.label, places_around(&mark.label, line, height));
         }
     }
-    piece.text = labels.strokes;
+    piece.texts = labels.texts;
     Drawn { piece, outlines: rough.outlines, beside }
 }
 
@@ -449,7 +472,7 @@ mod tests {
         let strokes = |curves: Vec<MarkLine>| {
             let pattern = Pattern { curves, ..square("A") };
             let mut drawn = drawing(&[pattern], &[], &[], &DrawingOptions::default());
-            drawn.pieces.remove(0).text
+            drawn.pieces.remove(0).strokes().collect::<Vec<_>>()
         };
         let (named, bare) = (strokes(curves), strokes(bare));
         let own: Vec<Vec2> = named.iter().filter(|s| !bare.contains(s)).flatten().copied().collect();
@@ -498,8 +521,8 @@ mod tests {
         assert!((foot - Vec2::new(470.0, 200.0)).norm() < 1e-9);
         assert!((tip - foot).normalize().y > 0.999_999);
         assert!((p.rulings[0][1] - Vec2::new(400.0, 250.0)).norm() < 1e-9);
-        assert!(p.text.len() > 8);
-        for s in &p.text {
+        assert!(p.strokes().count() > 8);
+        for s in p.strokes() {
             assert!(s.len() > 1 && s.windows(2).all(|w| w[0] != w[1]));
         }
     }
@@ -509,7 +532,8 @@ mod tests {
         let bare = drawing(&[square("A-01")], &[], &[], &DrawingOptions::default());
         let d = drawing(&[square("A-01"), square("A-02")], &[], &[true, false], &DrawingOptions::default());
         assert!(d.pieces[0].marked && !d.pieces[1].marked);
-        let added: Vec<&Vec<Vec2>> = d.pieces[0].text.iter().filter(|s| !bare.pieces[0].text.contains(s)).collect();
+        let before: Vec<Vec<Vec2>> = bare.pieces[0].strokes().collect();
+        let added: Vec<Vec<Vec2>> = d.pieces[0].strokes().filter(|s| !before.contains(s)).collect();
         let letters = 2 * letters(NOT_CERTIFIED, 1.0).len();
         // The label of the mark may have moved out of the way.
         assert!((letters..letters + 12).contains(&added.len()), "{}", added.len());
@@ -541,13 +565,11 @@ mod tests {
                 let piece = &d.pieces[0];
                 let outline: Vec<Vec2> =
                     piece.outer.iter().flat_map(|c| &c.vertices).map(|v| v.point).cycle().take(5).collect();
+                let strokes: Vec<Vec<Vec2>> = piece.strokes().collect();
                 let crossed =
-                    piece.text.iter().flat_map(|s| s.windows(2)).filter(|s| outline.windows(2).any(|o| cross(o, s)));
+                    strokes.iter().flat_map(|s| s.windows(2)).filter(|s| outline.windows(2).any(|o| cross(o, s)));
                 assert_eq!(crossed.count(), 0, "{name}, {width} mm wide");
-                assert!(
-                    piece.text.len() > letters(name, 1.0).len() + letters(NOT_CERTIFIED, 1.0).len(),
-                    "{name} {width}"
-                );
+                assert!(strokes.len() > letters(name, 1.0).len() + letters(NOT_CERTIFIED, 1.0).len(), "{name} {width}");
             }
         }
     }
@@ -557,7 +579,7 @@ mod tests {
         let options = DrawingOptions { title: "BOAT".into(), ..DrawingOptions::default() };
         let d = drawing(&[square("A-69")], &[], &[], &options);
         let level = |s: &&Vec<Vec2>| s.len() == 2 && (s[0].y - s[1].y).abs() < 1e-9;
-        let strokes = &d.pieces[0].text;
+        let strokes: Vec<Vec<Vec2>> = d.pieces[0].strokes().collect();
         // The underlines are the lowest level strokes of the name, which is written first.
         let name = letters("A-69", 1.0).len();
         let low = |strokes: &[Vec<Vec2>]| strokes.iter().flatten().map(|p| p.y).fold(f64::INFINITY, f64::min);
@@ -580,7 +602,7 @@ mod tests {
         let named = DrawingOptions { sources: vec![String::new(), "BAUTEIL".into()], ..DrawingOptions::default() };
         let strokes = |options: &DrawingOptions| {
             let d = drawing(&[square("A-01"), square("B-01")], &[], &[], options);
-            d.pieces.iter().map(|p| p.text.len()).collect::<Vec<_>>()
+            d.pieces.iter().map(|p| p.strokes().count()).collect::<Vec<_>>()
         };
         let bare = strokes(&DrawingOptions::default());
         let added = letters("BAUTEIL", 1.0).len();
@@ -622,7 +644,7 @@ mod tests {
         let options = DrawingOptions { title: "BOAT".into(), ..DrawingOptions::default() };
         let bare = drawing(&[square("A-01")], &[], &[], &DrawingOptions::default());
         let titled = drawing(&[square("A-01")], &[], &[], &options);
-        assert!(titled.pieces[0].text.len() > bare.pieces[0].text.len() + 3);
+        assert!(titled.pieces[0].strokes().count() > bare.pieces[0].strokes().count() + 3);
         // Marks all around and too near each other: no two labels on one place, none across the outline.
         let mut p = square("A-02");
         p.marks = (1..40)
@@ -635,7 +657,7 @@ mod tests {
             })
             .collect();
         let d = drawing(&[p], &[], &[], &options);
-        assert!(d.pieces[0].text.iter().flatten().all(|p| p.x > 0.0 && p.x < 100.0 && p.y > 0.0 && p.y < 100.0));
+        assert!(d.pieces[0].strokes().flatten().all(|p| p.x > 0.0 && p.x < 100.0 && p.y > 0.0 && p.y < 100.0));
         assert_eq!(d.pieces[0].marks.len(), 39);
     }
 }

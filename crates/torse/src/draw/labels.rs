@@ -9,13 +9,43 @@ use crate::geom::{BBox, Vec2};
 
 /// Place for a text: its middle, its direction of reading (unit vector) and the height of its capitals.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TextPlace {
+pub struct TextPlace {
     /// Middle of the box.
     pub middle: Vec2,
     /// Direction of reading.
     pub along: Vec2,
     /// Height of capitals, mm.
     pub height: f64,
+}
+
+/// What is written on a drawing, from which strokes are made only when they are asked for: parts have hundreds of points of letters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lettering {
+    /// Words at a place.
+    Words(String, TextPlace),
+    /// A line to words.
+    Line([Vec2; 2]),
+}
+
+impl Lettering {
+    /// Its strokes, mm.
+    pub fn strokes(&self) -> Vec<Vec<Vec2>> {
+        let (text, place) = match self {
+            Self::Words(text, place) => (text, place),
+            Self::Line(ends) => return vec![ends.to_vec()],
+        };
+        let up = Vec2::new(-place.along.y, place.along.x);
+        let start =
+            place.middle - place.along * (0.5 * stroke_font::width(text, place.height)) - up * (0.5 * place.height);
+        let mut strokes = letters(text, place.height);
+        strokes.iter_mut().flatten().for_each(|p| *p = start + place.along * p.x + up * p.y);
+        strokes
+    }
+
+    /// The strokes of several.
+    pub fn all(texts: &[Self]) -> impl Iterator<Item = Vec<Vec2>> + '_ {
+        texts.iter().flat_map(Self::strokes)
+    }
 }
 
 /// What is taken on one part, or on one drawing.
@@ -25,8 +55,8 @@ pub(crate) struct Labels {
     tree: BoxTree,
     /// What is taken besides, and the box around each.
     boxes: Vec<([Vec2; 4], BBox)>,
-    /// Strokes of all texts that were put.
-    pub strokes: Vec<Vec<Vec2>>,
+    /// All texts that were put.
+    pub texts: Vec<Lettering>,
 }
 
 /// Length of a full stop against the height of the letters: a machine skips strokes of no length.
@@ -51,7 +81,7 @@ impl Labels {
     /// Texts keep off these lines: outlines, marks.
     pub fn new(lines: Vec<[Vec2; 2]>) -> Self {
         let tree = BoxTree::new(lines.len(), &|k| BBox::of_flat(&lines[k]));
-        Self { lines, tree, boxes: Vec::new(), strokes: Vec::new() }
+        Self { lines, tree, boxes: Vec::new(), texts: Vec::new() }
     }
 
     /// Keeps a box, by its corners, free of all that comes later.
@@ -73,11 +103,7 @@ impl Labels {
 
     /// Puts a text at a place, free or not.
     pub fn write(&mut self, text: &str, place: &TextPlace) {
-        let up = Vec2::new(-place.along.y, place.along.x);
-        let start =
-            place.middle - place.along * (0.5 * stroke_font::width(text, place.height)) - up * (0.5 * place.height);
-        let turned = |s: &Vec<Vec2>| s.iter().map(|p| start + place.along * p.x + up * p.y).collect();
-        self.strokes.extend(letters(text, place.height).iter().map(turned));
+        self.texts.push(Lettering::Words(text.to_owned(), *place));
         self.take(corners(text, place));
     }
 
@@ -163,10 +189,10 @@ mod tests {
         let mut l = Labels::new(vec![[Vec2::new(0.0, -50.0), Vec2::new(0.0, 50.0)]]);
         // Across the line, then beside it, then on top of the first.
         assert!(l.put("S1.2", [at(0.0, 0.0, Vec2::x()), at(30.0, 0.0, Vec2::x())]));
-        let before = l.strokes.len();
-        assert!(l.strokes.iter().flatten().all(|p| p.x > 0.0));
+        let before = l.texts.clone();
+        assert!(Lettering::all(&l.texts).flatten().all(|p| p.x > 0.0));
         assert!(!l.put("S1.3", [at(0.0, 5.0, Vec2::x()), at(31.0, 1.0, Vec2::y())]));
-        assert_eq!(l.strokes.len(), before);
+        assert_eq!(l.texts, before);
     }
 
     #[test]

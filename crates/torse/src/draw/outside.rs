@@ -3,7 +3,7 @@
 //! Places are tried as those of all letters of drawings are, see [`super::labels`]: from points of the outline outwards, the
 //! nearest first, and the first free one is taken.
 
-use super::labels::{Labels, TextPlace};
+use super::labels::{Labels, Lettering, TextPlace};
 use super::stroke_font;
 use crate::geom::box_tree::BoxTree;
 use crate::geom::polygon::inside;
@@ -36,9 +36,9 @@ const OFF: f64 = 0.3;
 /// First distance of the words from the outline against the height, and by what it grows.
 const AWAY: (f64, f64) = (1.0, 1.6);
 
-/// Strokes of the names that have no room on their parts, in the order of `unnamed`; `None` for those without any free place.
+/// The names that have no room on their parts, in the order of `unnamed`; `None` for those without any free place.
 /// `outlines` are those of all parts, at most a little (mm) rough.
-pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Option<Vec<Vec<Vec2>>>> {
+pub(super) fn names(unnamed: &[Unnamed], outlines: &[Vec<Vec<Vec2>>]) -> Vec<Option<Vec<Lettering>>> {
     let boxes: Vec<BBox> = outlines.iter().map(|o| BBox::of_flat(o.iter().flatten())).collect();
     let longest = boxes.iter().map(|b| (b.max - b.min).max()).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let height = (HEIGHT_SHARE * longest).clamp(HEIGHT.0, HEIGHT.1);
@@ -63,12 +63,12 @@ struct NamedDrawing<'a> {
 }
 
 impl NamedDrawing<'_> {
-    fn put(&mut self, unnamed: &Unnamed) -> Option<Vec<Vec<Vec2>>> {
+    fn put(&mut self, unnamed: &Unnamed) -> Option<Vec<Lettering>> {
         // All lines, else the name alone.
         (0..2).find_map(|k| self.put_block(unnamed.part, if k == 0 { &unnamed.lines } else { &unnamed.lines[..1] }))
     }
 
-    fn put_block(&mut self, part: usize, lines: &[String]) -> Option<Vec<Vec<Vec2>>> {
+    fn put_block(&mut self, part: usize, lines: &[String]) -> Option<Vec<Lettering>> {
         let size = |k: usize| if k == 0 { self.height } else { SMALL * self.height };
         let wide = lines.iter().enumerate().map(|(k, l)| stroke_font::width(l, size(k))).fold(0.0, f64::max);
         let tall = self.height + LINE * SMALL * self.height * (lines.len() - 1) as f64;
@@ -125,8 +125,8 @@ fn corners(middle: Vec2, half: Vec2) -> [Vec2; 4] {
     [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| middle + half.component_mul(&Vec2::new(x, y)))
 }
 
-/// Strokes of lines of words, centred, and of the line to them.
-fn written(lines: &[String], middle: Vec2, (tall, height): (f64, f64), leader: [Vec2; 2]) -> Vec<Vec<Vec2>> {
+/// Lines of words, centred, and the line to them.
+fn written(lines: &[String], middle: Vec2, (tall, height): (f64, f64), leader: [Vec2; 2]) -> Vec<Lettering> {
     let mut labels = Labels::new(Vec::new());
     let mut top = middle.y + 0.5 * tall;
     for (k, text) in lines.iter().enumerate() {
@@ -135,8 +135,8 @@ fn written(lines: &[String], middle: Vec2, (tall, height): (f64, f64), leader: [
         let middle = Vec2::new(middle.x, top + 0.5 * height);
         labels.write(text, &TextPlace { middle, along: Vec2::x(), height });
     }
-    labels.strokes.push(leader.to_vec());
-    labels.strokes
+    labels.texts.push(Lettering::Line(leader));
+    labels.texts
 }
 
 /// The outermost points of an outline and points along it, at equal distances.
@@ -206,13 +206,13 @@ mod tests {
         let d = drawing(&patterns, &placements, &[false, true], &DrawingOptions::default());
         let boxed = |p: &Piece| {
             let ends = [Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)];
-            p.text.iter().flatten().fold(ends, |[l, h], p| [l.inf(p), h.sup(p)])
+            p.strokes().flatten().fold(ends, |[l, h], p| [l.inf(&p), h.sup(&p)])
         };
         for (k, piece) in d.pieces.iter().enumerate() {
-            assert!(piece.text.len() > 4, "{} has a name", piece.name);
+            assert!(piece.strokes().count() > 4, "{} has a name", piece.name);
             // But for the warning, which stands on the part at any price.
             if !piece.marked {
-                for p in piece.text.iter().flat_map(|s| points(s)) {
+                for p in piece.strokes().flat_map(|s| points(&s)) {
                     assert!((0..6).all(|i| !inside(&p, 23.0 * i as f64)), "{} runs over a part at {p}", piece.name);
                 }
                 let [low, high] = boxed(piece);
@@ -221,7 +221,7 @@ mod tests {
                 // Legible: capitals of 6 mm and more, and the line to them.
                 assert!(high.y - low.y > 5.0 && high.x - low.x > 10.0);
             }
-            assert!(piece.text.iter().flatten().all(|p| p.x >= d.min.x && p.x <= d.max.x && p.y >= d.min.y));
+            assert!(piece.strokes().flatten().all(|p| p.x >= d.min.x && p.x <= d.max.x && p.y >= d.min.y));
         }
     }
 
@@ -237,8 +237,8 @@ mod tests {
             |k: usize| ["", " OF A MODEL", " SEEN FROM OUTSIDE", " 12.0 X 12.0 MM"].map(|l| format!("{k}{l}")).to_vec();
         let unnamed: Vec<Unnamed> = (0..16).map(|part| Unnamed { part, lines: lines(part) }).collect();
         let found = names(&unnamed, &outlines);
-        // The last stroke is the line to the name.
-        let boxed = |s: &Vec<Vec<Vec2>>| extent(&s[..s.len() - 1]);
+        // The last one is the line to the name.
+        let boxed = |t: &Vec<Lettering>| extent(&Lettering::all(&t[..t.len() - 1]).collect::<Vec<_>>());
         let boxes: Vec<[Vec2; 2]> = found.iter().flatten().map(boxed).collect();
         let meet = |[a, b]: &[Vec2; 2], [c, d]: &[Vec2; 2]| a.x <= d.x && c.x <= b.x && a.y <= d.y && c.y <= b.y;
         assert!(boxes.len() > 8);
@@ -256,6 +256,6 @@ mod tests {
         (pattern.area, pattern.width) = (60_000.0, 60.0);
         let d = drawing(&[pattern], &[placement], &[], &DrawingOptions::default());
         let within = |p: &Vec2| p.x > 0.0 && p.x < 1000.0 && p.y > 0.0 && p.y < 60.0;
-        assert!(d.pieces[0].text.len() > 4 && d.pieces[0].text.iter().flatten().all(within));
+        assert!(d.pieces[0].strokes().count() > 4 && d.pieces[0].strokes().flatten().all(|p| within(&p)));
     }
 }

@@ -2,8 +2,8 @@
 
 use super::cloud::ply;
 use super::glb::{self, GlbError};
-use super::html::{self, HtmlError, Page};
-use super::json::{JsonError, Report};
+use super::html::{self, Page};
+use super::json::Report;
 use super::pictures::Pictures;
 use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Shell};
@@ -13,12 +13,15 @@ use crate::answer::presentation::Presentation;
 use crate::answer::shop::OffsetFile;
 use crate::answer::Answer;
 use crate::develop::shop::offsets::OffsetPanel;
+use crate::draw::drawing::Drawing;
 use crate::draw::scene::{titled, Scene};
 use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
 use crate::num::parallel;
+use crate::patchwork::panel::Patchwork;
 use crate::torse::cone::part::ConeBody;
 use std::collections::HashSet;
+use std::io::{self, Write};
 
 /// A file to be: its name, with `/` between folder and file, and its contents.
 pub type File = (String, Vec<u8>);
@@ -30,7 +33,7 @@ pub enum BundleError {
     #[error("cannot write {file}: {source}")]
     Write {
         /// Name of the file.
-        file: &'static str,
+        file: String,
         /// What went wrong.
         source: std::io::Error,
     },
@@ -40,12 +43,6 @@ pub enum BundleError {
     /// Picture.
     #[error(transparent)]
     Png(#[from] PngError),
-    /// Report.
-    #[error(transparent)]
-    Json(#[from] JsonError),
-    /// Page.
-    #[error(transparent)]
-    Html(#[from] HtmlError),
 }
 
 /// Name of the file of panels for CAD.
@@ -68,8 +65,8 @@ const LEAST_UNCERTAINTY: f64 = 1e-6;
 /// Data that a format cannot hold.
 pub fn files(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
     let mut out = geometry(answer, shown, time)?;
-    reports(answer, shown, &mut |file| {
-        out.push(file);
+    reports(answer, shown, &mut |name, contents| {
+        out.push(file(name, contents)?);
         Ok::<(), BundleError>(())
     })?;
     Ok(out)
@@ -81,6 +78,30 @@ pub fn files(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec<Fi
 /// # Errors
 /// As [`files`].
 pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+    each_geometry(answer, shown, time, &file)
+}
+
+/// What writes the contents of a file.
+pub type Contents<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
+
+/// A file in memory.
+pub(crate) fn file(name: &str, contents: Contents) -> Result<File, BundleError> {
+    let mut bytes = Vec::new();
+    contents(&mut bytes).map_err(|source| BundleError::Write { file: name.to_owned(), source })?;
+    Ok((name.to_owned(), bytes))
+}
+
+/// What `take` makes of each file of [`geometry`], of its name and what writes it, in their order; it is called from several
+/// threads.
+///
+/// # Errors
+/// Those of `take`.
+pub(crate) fn each_geometry<T: Send, E: Send>(
+    answer: &Answer,
+    shown: &Presentation,
+    time: &str,
+    take: &(dyn Fn(&str, Contents) -> Result<T, E> + Sync),
+) -> Result<Vec<T>, E> {
     let gap = answer.certificate.as_ref().map(|c| c.seam_gap_bound);
     let header = Header {
         name: marks::product(&answer.input, &shown.marks),
@@ -90,60 +111,66 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
             gap => gap.unwrap_or(0.0).max(LEAST_UNCERTAINTY),
         },
     };
-    let cad = || match &answer.cones {
-        Some(cones) => exact(CONES, &answer.input, &cones.bodies, shown.marks.any(), time),
-        None => file(PANELS, step::panels(&header, &answer.patchwork, &shown.marks.panels)),
-    };
-    let (step, (dxf, svg)) = parallel::join(cad, || {
-        parallel::join(
-            || file("patterns.dxf", dxf::write(&shown.drawing)),
-            || file("patterns.svg", svg::write(&shown.drawing)),
-        )
-    });
-    // Nothing of these strips lies flat.
-    let mut out = if answer.lays_flat() { vec![step?, dxf?, svg?] } else { vec![step?] };
-    out.extend(copies(answer, shown, &header)?);
-    for offsets in &answer.shop.offsets {
-        out.push(offset_file(offsets, shown, &header)?);
+    let outlined = answer.cones.as_ref().map(|c| cone_panels::outlined(&answer.patchwork, c));
+    let copied = outlined.as_ref().unwrap_or(&answer.patchwork);
+    let marked = &shown.marks.panels;
+    let mut kinds = vec![match &answer.cones {
+        Some(cones) => (CONES.to_owned(), Geometry::Cones(&cones.bodies)),
+        None => (PANELS.to_owned(), Geometry::Panels),
+    }];
+    // Nothing of some strips lies flat.
+    if answer.lays_flat() {
+        kinds.push(("patterns.dxf".into(), Geometry::Dxf(&shown.drawing)));
+        kinds.push(("patterns.svg".into(), Geometry::Svg));
     }
+    kinds.extend(answer.cut.iges.then(|| (IGES.into(), Geometry::Iges(copied))));
+    kinds.extend(answer.cut.threedm.then(|| (THREEDM.into(), Geometry::ThreeDm(copied))));
+    kinds.extend(answer.shop.offsets.iter().map(|o| (o.side.file().into(), Geometry::Offsets(o))));
     let names = part_files(shown.alone.iter().map(|(part, _)| part.as_str()));
-    for (name, (_, drawing)) in names.into_iter().zip(&shown.alone) {
-        let (_, bytes) = file("patterns.dxf", dxf::write(drawing))?;
-        out.push((name, bytes));
-    }
-    Ok(out)
+    kinds.extend(names.into_iter().zip(&shown.alone).map(|(name, (_, drawing))| (name, Geometry::Dxf(drawing))));
+    let written = |kind: &Geometry, out: &mut dyn Write| match kind {
+        Geometry::Cones(bodies) => out.write_all(&exact(&answer.input, bodies, shown.marks.any(), time)?),
+        Geometry::Panels => out.write_all(&step::panels(&header, &answer.patchwork, marked)?),
+        Geometry::Dxf(drawing) => dxf::write_to(drawing, out),
+        Geometry::Svg => svg::write(&shown.drawing, out),
+        Geometry::Iges(panels) => out.write_all(&iges::write::panels(&header, panels, marked)),
+        Geometry::ThreeDm(panels) => out.write_all(&threedm::write::panels(&header, panels, marked)?),
+        Geometry::Offsets(offsets) => out.write_all(&offset_surface(offsets, marked, &header)?),
+    };
+    let made = |(name, kind): (String, Geometry)| take(&name, &mut |out| written(&kind, out));
+    parallel::map(kinds, made).into_iter().collect()
 }
 
-/// A surface of the sheet beside the panels.
-fn offset_file(offsets: &OffsetFile, shown: &Presentation, header: &Header) -> Result<File, BundleError> {
+/// A file that holds geometry.
+enum Geometry<'a> {
+    /// Exact cones for CAD.
+    Cones(&'a [ConeBody]),
+    /// Panels for CAD.
+    Panels,
+    /// The drawing of all parts, or of one alone.
+    Dxf(&'a Drawing),
+    Svg,
+    /// The panels in further formats: copies of [`PANELS`], or of [`CONES`] as splines.
+    Iges(&'a Patchwork),
+    ThreeDm(&'a Patchwork),
+    /// A surface of the sheet beside the panels.
+    Offsets(&'a OffsetFile),
+}
+
+/// A surface of the sheet beside the panels, as a file.
+fn offset_surface(offsets: &OffsetFile, marked: &[bool], header: &Header) -> io::Result<Vec<u8>> {
     let off = offsets.panels.iter().map(|p| p.edge_error).fold(LEAST_UNCERTAINTY, f64::max);
     let header = Header { uncertainty: off, ..header.clone() };
     let shell = |p: &OffsetPanel| {
         let shell = Shell::of_offset(p);
-        if shown.marks.panels.get(p.panel).copied().unwrap_or(true) {
+        if marked.get(p.panel).copied().unwrap_or(true) {
             shell.marked()
         } else {
             shell
         }
     };
     let shells: Vec<Shell> = offsets.panels.iter().map(shell).collect();
-    file(offsets.side.file(), step::shells(&header, &shells))
-}
-
-/// The panels in further formats: copies of [`PANELS`], or of [`CONES`] as splines.
-fn copies(answer: &Answer, shown: &Presentation, header: &Header) -> Result<Vec<File>, BundleError> {
-    let mut out = Vec::new();
-    let outlined = answer.cones.as_ref().map(|c| cone_panels::outlined(&answer.patchwork, c));
-    let panels = outlined.as_ref().unwrap_or(&answer.patchwork);
-    if answer.cut.iges {
-        out.push((IGES.into(), iges::write::panels(header, panels, &shown.marks.panels)));
-    }
-    if answer.cut.threedm {
-        let bytes = threedm::write::panels(header, panels, &shown.marks.panels)
-            .map_err(|source| BundleError::Write { file: THREEDM, source })?;
-        out.push((THREEDM.into(), bytes));
-    }
-    Ok(out)
+    step::shells(&header, &shells)
 }
 
 /// Names of the drawings of parts, one each: what names of files cannot hold is replaced, and names that would be the same then,
@@ -167,18 +194,19 @@ pub(crate) fn part_files<'a>(parts: impl Iterator<Item = &'a str>) -> Vec<String
 pub(crate) fn reports<E: From<BundleError>>(
     answer: &Answer,
     shown: &Presentation,
-    take: &mut dyn FnMut(File) -> Result<(), E>,
+    take: &mut dyn FnMut(&str, Contents) -> Result<(), E>,
 ) -> Result<(), E> {
     let report = Report::of(answer, shown);
     let pictures = Pictures::of(answer, shown, &report).map_err(BundleError::from)?;
     let limit = answer.colour_limit();
-    take(("model.glb".into(), glb::write(&shown.scene, limit).map_err(BundleError::from)?))?;
+    let mut put = |(name, bytes): File| take(&name, &mut |out| out.write_all(&bytes));
+    put(("model.glb".into(), glb::write(&shown.scene, limit).map_err(BundleError::from)?))?;
     if shown.stages.len() > 1 {
-        motion("moves", &shown.stages, &shown.direction)?.into_iter().try_for_each(&mut *take)?;
+        motion("moves", &shown.stages, &shown.direction)?.into_iter().try_for_each(&mut put)?;
     }
     if !answer.points.places.is_empty() {
         let (places, values) = (&answer.points.places, &answer.points.values);
-        take(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)))?;
+        put(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)))?;
     }
     let unit = answer.cut.unit;
     let tables = [
@@ -191,19 +219,12 @@ pub(crate) fn reports<E: From<BundleError>>(
         ("parts.csv", parts::csv(&report, &answer.patterns, unit)),
     ];
     for (name, table) in tables {
-        table.map_or(Ok(()), |bytes| take((name.into(), bytes)))?;
+        table.map_or(Ok(()), |bytes| put((name.into(), bytes)))?;
     }
-    let page = html::write(&Page {
-        report: &report,
-        job: answer.job,
-        meaning: &answer.meaning,
-        limit,
-        shown,
-        pictures: &pictures,
-    });
-    take(("report.html".into(), page.map_err(BundleError::from)?.into_bytes()))?;
-    take(("report.json".into(), report.to_json().map_err(BundleError::from)?.into_bytes()))?;
-    pictures.files().into_iter().try_for_each(take)
+    let page = Page { report: &report, job: answer.job, meaning: &answer.meaning, limit, shown, pictures: &pictures };
+    take("report.html", &mut |out| html::write(&page, out))?;
+    take("report.json", &mut |out| report.write(out))?;
+    pictures.files().into_iter().try_for_each(|(name, bytes)| take(&name, &mut |out| out.write_all(&bytes)))
 }
 
 /// bending.glb, an animation, and bending.png, a strip of pictures, from stages with their captions; `eye` points
@@ -235,7 +256,7 @@ fn motion(name: &str, stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File
 /// Data that a format cannot hold.
 pub fn thickness(name: &str, surfaces: &[ConeBody], scene: &Scene, time: &str) -> Result<Vec<File>, BundleError> {
     let marked = scene.panels.iter().any(|p| p.marked);
-    let step = exact("thickness.step", name, surfaces, marked, time)?;
+    let step = file("thickness.step", &mut |out| out.write_all(&exact(name, surfaces, marked, time)?))?;
     Ok(vec![step, ("thickness.glb".into(), glb::write(scene, 1.0)?)])
 }
 
@@ -243,13 +264,7 @@ pub fn thickness(name: &str, surfaces: &[ConeBody], scene: &Scene, time: &str) -
 ///
 /// # Errors
 /// Those of the writer.
-pub fn exact(
-    file: &'static str,
-    name: &str,
-    bodies: &[ConeBody],
-    marked: bool,
-    time: &str,
-) -> Result<File, BundleError> {
+pub fn exact(name: &str, bodies: &[ConeBody], marked: bool, time: &str) -> io::Result<Vec<u8>> {
     let header = Header { name: titled(name, marked), time: time.to_owned(), uncertainty: LEAST_UNCERTAINTY };
     let bodies: Vec<Shell> = bodies
         .iter()
@@ -259,12 +274,7 @@ pub fn exact(
         })
         .map(|s| if marked { s.marked() } else { s })
         .collect();
-    self::file(file, step::shells(&header, &bodies))
-}
-
-/// A file of what its writer made.
-fn file(name: &'static str, bytes: std::io::Result<Vec<u8>>) -> Result<File, BundleError> {
-    bytes.map(|bytes| (name.to_owned(), bytes)).map_err(|source| BundleError::Write { file: name, source })
+    step::shells(&header, &bodies)
 }
 
 #[cfg(test)]

@@ -10,95 +10,164 @@ use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenJoint, Writte
 /// # Errors
 /// In plain words, with the entity's handle: what the writer would not write.
 pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
-    let unit = match unit(text)? {
-        Some((70, "4")) => LengthUnit::Millimetre,
-        Some((70, "1")) => LengthUnit::Inch,
-        _ => return Err("the unit is neither the millimetre nor the inch".into()),
-    };
-    let mut out: Vec<WrittenPiece> = Vec::new();
-    let sections = each_entity(text, |e| {
-        if is_beside(e) {
-            return Ok(());
-        }
-        extruded(e)?;
-        entity(e, &mut out)
-    })?;
-    if sections == 0 {
-        return Err("there are no entities".into());
+    let mut read = Dxf::default();
+    read.take(bytes);
+    read.end()
+}
+
+/// A DXF drawing that comes in stretches: files of many parts are long.
+#[derive(Default)]
+pub(crate) struct Dxf {
+    entities: Entities,
+    pieces: Vec<WrittenPiece>,
+    fault: Option<String>,
+}
+
+impl Dxf {
+    /// Reads the next stretch.
+    pub fn take(&mut self, bytes: &[u8]) {
+        self.read(bytes, false);
     }
-    out.iter_mut().for_each(|p| p.unit = unit);
-    Ok(out)
+
+    fn read(&mut self, bytes: &[u8], is_last: bool) {
+        if self.fault.is_some() {
+            return;
+        }
+        let pieces = &mut self.pieces;
+        let one = &mut |e: &[Group]| {
+            if is_beside(e) {
+                return Ok(());
+            }
+            extruded(e)?;
+            entity(e, pieces)
+        };
+        self.fault = self.entities.read(bytes, is_last, one).err();
+    }
+
+    /// The pieces of all stretches.
+    ///
+    /// # Errors
+    /// As [`dxf`].
+    pub fn end(mut self) -> Result<Vec<WrittenPiece>, String> {
+        self.read(&[], true);
+        let unit = match self.entities.unit.as_deref() {
+            Some("4") => LengthUnit::Millimetre,
+            Some("1") => LengthUnit::Inch,
+            _ => return Err("the unit is neither the millimetre nor the inch".into()),
+        };
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        if self.entities.sections == 0 {
+            return Err("there are no entities".into());
+        }
+        self.pieces.iter_mut().for_each(|p| p.unit = unit);
+        Ok(self.pieces)
+    }
 }
 
 /// The first entity of a DXF drawing that another program turned over or tilted: it has a direction of extrusion other than
 /// +z, and its coordinates are not those of the drawing. In plain words, with the entity's handle.
 pub(crate) fn turned_over(bytes: &[u8]) -> Option<String> {
     let mut found = None;
-    let ask = |e: &[(u32, &str)]| {
+    let ask = &mut |e: &[Group]| {
         if !is_beside(e) {
             extruded(e).inspect_err(|told| found = Some(told.clone()))?;
         }
         Ok(())
     };
     // What is no drawing at all is told by `dxf`.
-    _ = each_entity(std::str::from_utf8(bytes).ok()?, ask);
+    let mut entities = Entities::default();
+    _ = entities.read(bytes, false, ask).and_then(|()| entities.read(&[], true, ask));
     found
 }
 
-/// Group codes and values of a DXF file, one after the other: files of many parts have millions.
-fn groups(text: &str) -> impl Iterator<Item = Result<(u32, &str), String>> {
-    let mut lines = text.lines();
-    std::iter::from_fn(move || {
-        let code = lines.next()?.trim();
-        let Some(value) = lines.next() else { return Some(Err("the last group has no value".into())) };
-        Some(code.parse().map(|code| (code, value.trim())).map_err(|_| format!("'{code}' is not a group code")))
-    })
+/// A group code and its value.
+type Group<'a> = (u32, &'a str);
+/// What is done with the groups of an entity.
+type TakeEntity<'t> = &'t mut dyn FnMut(&[Group]) -> Result<(), String>;
+
+/// The entities of a DXF file that comes in stretches.
+#[derive(Default)]
+struct Entities {
+    /// Text behind the last entity that is known to be whole.
+    rest: Vec<u8>,
+    /// Value of the unit, if that is an integer.
+    unit: Option<String>,
+    /// Sections of entities so far.
+    sections: usize,
+    is_within: bool,
+    has_ended: bool,
 }
 
-/// How the section of the entities begins.
-const SECTION: (u32, &str) = (2, "ENTITIES");
-
-/// The group that tells the unit.
-fn unit(text: &str) -> Result<Option<(u32, &str)>, String> {
-    let mut all = groups(text).skip_while(|g| g.as_ref().is_ok_and(|g| *g != (9, "$INSUNITS")));
-    all.next().transpose()?;
-    all.next().transpose()
-}
-
-/// Hands over the groups of each entity; returns how many sections of entities there are.
-fn each_entity(text: &str, mut take: impl FnMut(&[(u32, &str)]) -> Result<(), String>) -> Result<usize, String> {
-    let mut sections = 0;
-    let mut is_within = false;
-    let mut entity: Vec<(u32, &str)> = Vec::new();
-    let mut last = None;
-    for group in groups(text) {
-        let group = group?;
-        if is_within && group.0 == 0 && !entity.is_empty() {
-            take(&entity)?;
-            entity.clear();
+impl Entities {
+    /// Hands over the groups, codes and values, of each entity that is whole now; of the last stretch all.
+    fn read(&mut self, bytes: &[u8], is_last: bool, take: TakeEntity) -> Result<(), String> {
+        let mut joined = std::mem::take(&mut self.rest);
+        let all = if joined.is_empty() {
+            bytes
+        } else {
+            joined.extend_from_slice(bytes);
+            &joined
+        };
+        let whole = if is_last { all.len() } else { all.iter().rposition(|&b| b == b'\n').map_or(0, |k| k + 1) };
+        let text = std::str::from_utf8(&all[..whole]).map_err(|e| e.to_string())?;
+        let mut groups: Vec<Group> = Vec::new();
+        let (mut begin, mut at) = (0, 0);
+        let mut lines = text.split_inclusive('\n');
+        while let Some(first) = lines.next() {
+            let Some(second) = lines.next() else {
+                if is_last {
+                    return Err("the last group has no value".into());
+                }
+                break;
+            };
+            let (code, value) = (first.trim(), second.trim());
+            let code = code.parse().map_err(|_| format!("'{code}' is not a group code"))?;
+            if code == 0 {
+                self.one(&groups, take)?;
+                groups.clear();
+                begin = at;
+            }
+            groups.push((code, value));
+            at += first.len() + second.len();
         }
-        match group {
-            (0, "ENDSEC") => is_within = false,
-            SECTION if !is_within => (is_within, sections) = (sections == 0, sections + 1),
-            _ if is_within => entity.push(group),
+        if is_last {
+            self.one(&groups, take)?;
+            return if self.has_ended { Ok(()) } else { Err("it is cut short".into()) };
+        }
+        self.rest = all[begin..].to_vec();
+        Ok(())
+    }
+
+    /// The groups from one zero to the next.
+    fn one(&mut self, groups: &[Group], take: TakeEntity) -> Result<(), String> {
+        let Some(&first) = groups.first() else { return Ok(()) };
+        self.has_ended = groups == [(0, "EOF")] && !self.is_within;
+        if self.unit.is_none() {
+            let named = groups.iter().skip_while(|g| **g != (9, "$INSUNITS")).nth(1);
+            self.unit = named.filter(|g| g.0 == 70).map(|g| g.1.to_owned());
+        }
+        match first {
+            (0, "ENDSEC") => self.is_within = false,
+            (0, "EOF") => {}
+            (0, "SECTION") if !self.is_within && groups.get(1) == Some(&(2, "ENTITIES")) => {
+                (self.is_within, self.sections) = (self.sections == 0, self.sections + 1);
+            }
+            _ if self.is_within => take(groups)?,
             _ => {}
         }
-        last = Some(group);
+        Ok(())
     }
-    if is_within || last != Some((0, "EOF")) {
-        return Err("it is cut short".into());
-    }
-    Ok(sections)
 }
 
 /// Whether an entity is no part of the pieces: words, and the square by which scales are checked.
-fn is_beside(groups: &[(u32, &str)]) -> bool {
+fn is_beside(groups: &[Group]) -> bool {
     groups.iter().find(|g| g.0 == 8).is_some_and(|g| matches!(g.1, "TEXT" | "SCALE_CHECK"))
 }
 
 /// Refuses an entity whose direction of extrusion is not +z.
-fn extruded(groups: &[(u32, &str)]) -> Result<(), String> {
+fn extruded(groups: &[Group]) -> Result<(), String> {
     let text = |code: u32| groups.iter().find(|g| g.0 == code).map(|g| g.1);
     let number = |code: u32, absent: f64| text(code).map_or(Some(absent), |t| t.parse::<f64>().ok());
     let way = [number(210, 0.0), number(220, 0.0), number(230, 1.0)];
@@ -114,7 +183,7 @@ fn extruded(groups: &[(u32, &str)]) -> Result<(), String> {
     ))
 }
 
-fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), String> {
+fn entity(groups: &[Group], out: &mut Vec<WrittenPiece>) -> Result<(), String> {
     let text = |code: u32| groups.iter().find(|g| g.0 == code).map_or("", |g| g.1);
     let (kind, layer, handle) = (groups[0].1, text(8), text(5));
     let fault = |what: &str| format!("{kind} {handle}: {what}");
@@ -192,7 +261,7 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
 
 /// The joints of a polyline.
 fn joints(
-    groups: &[(u32, &str)],
+    groups: &[Group],
     number: &dyn Fn(&str) -> Result<f64, String>,
     fault: &dyn Fn(&str) -> String,
 ) -> Result<Vec<WrittenJoint>, String> {
@@ -218,18 +287,75 @@ fn joints(
 /// # Errors
 /// In plain words: what the writer would not write.
 pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
-    if !text.trim_end().ends_with("</svg>") {
-        return Err("it is cut short".into());
+    let mut read = Svg::default();
+    read.take(bytes);
+    read.end()
+}
+
+/// An SVG drawing that comes in stretches: files of many parts are long.
+#[derive(Default)]
+pub(crate) struct Svg {
+    /// Text from the last tag on, which may go on.
+    rest: Vec<u8>,
+    /// Class of the group that holds what comes.
+    class: String,
+    unit: LengthUnit,
+    pieces: Vec<WrittenPiece>,
+    has_ended: bool,
+    fault: Option<String>,
+}
+
+impl Svg {
+    /// Reads the next stretch.
+    pub fn take(&mut self, bytes: &[u8]) {
+        self.read(bytes, false);
     }
-    let mut out: Vec<WrittenPiece> = Vec::new();
-    let mut class = "";
-    let mut unit = LengthUnit::default();
-    for tag in text.split('<').skip(1) {
+
+    /// The pieces of all stretches.
+    ///
+    /// # Errors
+    /// As [`svg`].
+    pub fn end(mut self) -> Result<Vec<WrittenPiece>, String> {
+        self.read(&[], true);
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        if !self.has_ended {
+            return Err("it is cut short".into());
+        }
+        self.pieces.iter_mut().for_each(|p| p.unit = self.unit);
+        Ok(self.pieces)
+    }
+
+    fn read(&mut self, bytes: &[u8], is_last: bool) {
+        if self.fault.is_some() {
+            return;
+        }
+        let mut joined = std::mem::take(&mut self.rest);
+        let all = if joined.is_empty() {
+            bytes
+        } else {
+            joined.extend_from_slice(bytes);
+            &joined
+        };
+        // A tag is whole where the next one begins.
+        let whole = if is_last { all.len() } else { all.iter().rposition(|&b| b == b'<').unwrap_or(0) };
+        self.fault = match std::str::from_utf8(&all[..whole]) {
+            Ok(text) => text.split('<').skip(1).try_for_each(|tag| self.tag(tag)).err(),
+            Err(e) => Some(e.to_string()),
+        };
+        if !is_last {
+            self.rest = all[whole..].to_vec();
+        }
+    }
+
+    /// A tag, without the bracket that opens it.
+    fn tag(&mut self, tag: &str) -> Result<(), String> {
         let attribute = |name: &str| {
             let rest = tag.split_once(&format!(" {name}=\""))?.1;
             rest.split_once('"').map(|x| x.0)
         };
+        self.has_ended = tag.trim_end() == "/svg>";
         if tag.starts_with("svg ") {
             let (width, height, view) = (attribute("width"), attribute("height"), attribute("viewBox"));
             let (Some(w), Some(h), Some(v)) = (width, height, view) else { return Err("it has no size".into()) };
@@ -238,15 +364,16 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
                 let sizes = w.strip_suffix(u.sign()).zip(h.strip_suffix(u.sign()));
                 sizes.is_some_and(|(w, h)| format!("0 0 {w} {h}") == v)
             };
-            unit = units.into_iter().find(fits).ok_or("its unit is neither the millimetre nor the inch")?;
+            self.unit = units.into_iter().find(fits).ok_or("its unit is neither the millimetre nor the inch")?;
         } else if tag.starts_with("g ") {
-            class = attribute("class").unwrap_or("");
+            self.class = attribute("class").unwrap_or("").to_owned();
             if attribute("id").is_some_and(|id| tag.starts_with("g id=") && !id.is_empty()) {
-                out.push(WrittenPiece::default());
+                self.pieces.push(WrittenPiece::default());
             }
-        } else if tag.starts_with("path ") && class != "scale-check" {
+        } else if tag.starts_with("path ") && self.class != "scale-check" {
             let d = attribute("d").ok_or("a path is empty")?;
-            let piece = out.last_mut().ok_or("a path belongs to no panel")?;
+            let class = self.class.as_str();
+            let piece = self.pieces.last_mut().ok_or("a path belongs to no panel")?;
             let line = || -> Result<[Vec2; 2], String> {
                 match path(d)?.as_slice() {
                     [a, b] => Ok([a.point, b.point]),
@@ -279,9 +406,8 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
                 other => return Err(format!("there is no class '{other}' in a cutting drawing")),
             }
         }
+        Ok(())
     }
-    out.iter_mut().for_each(|p| p.unit = unit);
-    Ok(out)
 }
 
 /// Joints of a closed path: its last place may be the first again.
@@ -403,7 +529,8 @@ mod tests {
         };
         let drawn = drawing(std::slice::from_ref(&pattern), &[], &[], &DrawingOptions::default());
         let a = dxf_writer::write(&drawn).expect("DXF");
-        let b = svg_writer::write(&drawn).expect("SVG");
+        let mut b = Vec::new();
+        svg_writer::write(&drawn, &mut b).expect("SVG");
         for pieces in [dxf(&a).expect("DXF"), svg(&b).expect("SVG")] {
             let found = compared(std::slice::from_ref(&pattern), &pieces);
             assert!(found.reason().is_none() && found.bound() < 1e-5, "{:?} {}", found.reason(), found.bound());
@@ -428,7 +555,7 @@ mod tests {
         // Without its label the drawing has fewer strokes; a closed section is none.
         let bare = Pattern { sections: Vec::new(), ..pattern.clone() };
         let bare = drawing(&[bare], &[], &[], &DrawingOptions::default());
-        assert!(bare.pieces[0].text.len() + 4 <= drawn.pieces[0].text.len());
+        assert!(bare.pieces[0].strokes().count() + 4 <= drawn.pieces[0].strokes().count());
         let text = String::from_utf8(a).expect("text");
         // A circle, a line, and polylines of lines and arcs; one that was closed by hand is another line.
         let entities =

@@ -11,7 +11,7 @@
 use std::fmt::{Display, Write as _};
 use std::io;
 
-use crate::draw::drawing::{Drawing, LETTER_DECIMALS};
+use crate::draw::drawing::{Drawing, Lettering, Piece, LETTER_DECIMALS};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour, MarkLine};
@@ -80,10 +80,23 @@ mod handle {
 /// # Errors
 /// A coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
 pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
+    let mut out = Vec::new();
+    write_to(drawing, &mut out)?;
+    Ok(out)
+}
+
+/// Writes the file of a drawing, part by part: files of many parts are long.
+///
+/// # Errors
+/// As [`write`](fn@write), and those of `out`.
+pub(crate) fn write_to(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result<()> {
     let mut body = Pairs { unit: drawing.unit, ..Pairs::default() };
-    let seed = header(&mut body, drawing);
     tables(&mut body);
     blocks(&mut body);
+    // The header comes first but names the first handle that is still free.
+    let mut head = Pairs { next: body.next + entities(drawing) as u32, unit: drawing.unit, ..Pairs::default() };
+    header(&mut head, drawing);
+    head.flush(out)?;
     body.section("ENTITIES");
     for piece in &drawing.pieces {
         let on = |layer| if piece.marked { NOT_CERTIFIED } else { layer };
@@ -112,25 +125,32 @@ pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
         for line in &piece.curves {
             body.marked(on(CURVE), line);
         }
-        for stroke in &piece.text {
-            body.stroke(on(TEXT), stroke);
+        for stroke in piece.strokes() {
+            body.stroke(on(TEXT), &stroke);
         }
+        body.flush(out)?;
     }
     if let Some(square) = &drawing.test_square {
         body.polyline(SCALE, true, square.corners.iter().map(|p| (*p, 0.0)));
-        for stroke in &square.text {
-            body.stroke(SCALE, stroke);
+        for stroke in Lettering::all(&square.texts) {
+            body.stroke(SCALE, &stroke);
         }
     }
     body.pair(0, "ENDSEC");
     objects(&mut body);
     body.pair(0, "EOF");
-    if !body.finite {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
-    }
-    // The header comes first but names the first handle that is still free.
-    body.text.insert_str(seed, &format!("{:X}", body.next));
-    Ok(body.text.into_bytes())
+    body.flush(out)
+}
+
+/// Entities of a drawing.
+fn entities(drawing: &Drawing) -> usize {
+    let of = |p: &Piece| {
+        let contours = usize::from(p.outer.is_some()) + p.inner.len() + p.formed.len();
+        let lines = p.extents.len() + p.rulings.len() + p.marks.len() + p.sections.len() + p.curves.len();
+        contours + lines + p.strokes().count()
+    };
+    let square = drawing.test_square.as_ref().map_or(0, |square| 1 + Lettering::all(&square.texts).count());
+    drawing.pieces.iter().map(of).sum::<usize>() + square
 }
 
 /// Pairs of group code and value, two lines each.
@@ -149,6 +169,16 @@ impl Default for Pairs {
 }
 
 impl Pairs {
+    /// Hands over what there is so far.
+    fn flush(&mut self, out: &mut dyn io::Write) -> io::Result<()> {
+        if !self.finite {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
+        }
+        out.write_all(self.text.as_bytes())?;
+        self.text.clear();
+        Ok(())
+    }
+
     fn pair(&mut self, code: u32, value: impl Display) {
         // Writing to a string cannot fail.
         _ = write!(self.text, "{code:3}\n{value}\n");
@@ -318,17 +348,17 @@ impl Pairs {
     }
 }
 
-/// Version, units and extent; returns where the first handle that is free is to be put.
-fn header(p: &mut Pairs, drawing: &Drawing) -> usize {
+/// Version, units, extent, and the next handle.
+fn header(p: &mut Pairs, drawing: &Drawing) {
+    let free = format!("{:X}", p.next);
     p.section("HEADER");
     let mut text = |name: &str, code: u32, value: &str| {
         p.pair(9, name);
         p.pair(code, value);
-        p.text.len()
     };
     text("$ACADVER", 1, "AC1015");
     text("$DWGCODEPAGE", 3, "ANSI_1252");
-    let seed = text("$HANDSEED", 5, "") - 1;
+    text("$HANDSEED", 5, &free);
     // Millimetres; metric linetypes and hatches; decimal lengths with four places.
     let (unit, metric) = match drawing.unit {
         LengthUnit::Millimetre => ("     4", "     1"),
@@ -351,7 +381,6 @@ fn header(p: &mut Pairs, drawing: &Drawing) -> usize {
     p.pair(0, "ENDSEC");
     p.section("CLASSES");
     p.pair(0, "ENDSEC");
-    seed
 }
 
 /// Symbol tables.
@@ -553,7 +582,7 @@ mod tests {
             rulings: vec![[Vec2::new(-5., 5.), Vec2::new(-5., -5.)]],
             senses: vec![BendSense::Down],
             marks: vec![[Vec2::new(-100., 0.), Vec2::new(-95., 0.)]],
-            text: vec![vec![Vec2::zeros(), Vec2::x(), Vec2::y()]],
+            texts: vec![Lettering::Line([Vec2::zeros(), Vec2::x()])],
             ..Piece::default()
         };
         Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.), ..Drawing::default() }

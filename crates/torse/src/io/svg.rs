@@ -8,7 +8,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use crate::draw::drawing::{Drawing, Piece, LETTER_DECIMALS};
+use crate::draw::drawing::{Drawing, Lettering, Piece, LETTER_DECIMALS};
 use crate::draw::scene::titled;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
@@ -42,11 +42,11 @@ const SCALE: &str = "scale-check";
 /// Decimals of millimetres.
 const LENGTHS: usize = 6;
 
-/// The file of a drawing.
+/// Writes the file of a drawing, part by part: files of many parts are long.
 ///
 /// # Errors
-/// A coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
-pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
+/// A coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]), and those of `out`.
+pub(crate) fn write(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result<()> {
     let (left, top) = (drawing.min.x - MARGIN, drawing.max.y + MARGIN);
     let mut document = Document { text: String::new(), left, top, finite: true, unit: drawing.unit };
     let size = drawing.max - drawing.min + Vec2::repeat(2.0 * MARGIN);
@@ -63,6 +63,7 @@ pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
     );
     for (i, piece) in drawing.pieces.iter().enumerate() {
         document.piece(i, piece);
+        document.flush(out)?;
     }
     if let Some(square) = &drawing.test_square {
         _ = writeln!(
@@ -71,17 +72,14 @@ pub fn write(drawing: &Drawing) -> io::Result<Vec<u8>> {
         );
         let [a, b, c, d] = square.corners;
         let mut paths = vec![document.open(&[a, b, c, d, a])];
-        paths.extend(square.text.iter().map(|s| document.polyline(s, LETTER_DECIMALS)));
+        paths.extend(Lettering::all(&square.texts).map(|s| document.polyline(&s, LETTER_DECIMALS)));
         for path in paths {
             _ = writeln!(document.text, "<path d=\"{path}\"/>");
         }
         document.text.push_str("</g>\n");
     }
     document.text.push_str("</svg>\n");
-    if !document.finite {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
-    }
-    Ok(document.text.into_bytes())
+    document.flush(out)
 }
 
 /// The document while it grows, and where its upper left corner lies in the drawing, whose y-axis points up.
@@ -95,6 +93,16 @@ struct Document {
 }
 
 impl Document {
+    /// Hands over what there is so far.
+    fn flush(&mut self, out: &mut dyn io::Write) -> io::Result<()> {
+        if !self.finite {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
+        }
+        out.write_all(self.text.as_bytes())?;
+        self.text.clear();
+        Ok(())
+    }
+
     /// A length (mm) in the unit of the drawing, to a nanometre or finer.
     fn number(&mut self, x: f64) -> String {
         self.rounded(x, LENGTHS)
@@ -135,7 +143,7 @@ impl Document {
             .map(|sense| piece.bent(sense).map(|l| self.open(l)).collect::<Vec<_>>());
         let marks = piece.marks.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         // One path for all letters: they are never picked one by one.
-        let text = piece.text.iter().map(|s| self.polyline(s, LETTER_DECIMALS)).collect::<Vec<_>>().concat();
+        let text = piece.strokes().map(|s| self.polyline(&s, LETTER_DECIMALS)).collect::<Vec<_>>().concat();
         let text = if text.is_empty() { Vec::new() } else { vec![text] };
         let extents = piece.extents.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         let formed = piece.formed.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
@@ -241,9 +249,15 @@ mod tests {
         Drawing { pieces: vec![piece], max: Vec2::new(150., 100.), ..Drawing::default() }
     }
 
+    fn written(drawing: &Drawing) -> io::Result<String> {
+        let mut out = Vec::new();
+        write(drawing, &mut out)?;
+        Ok(String::from_utf8(out).expect("text"))
+    }
+
     #[test]
     fn lengths_are_millimetres_and_y_points_down() {
-        let text = String::from_utf8(write(&drawing()).expect("written")).expect("text");
+        let text = written(&drawing()).expect("written");
         assert!(text.contains("width=\"170mm\" height=\"120mm\" viewBox=\"0 0 170 120\""));
         // The counter-clockwise half circle of radius 50 from (100, 0) to (100, 100) keeps bulging to the right.
         assert!(text.contains("d=\"M10 110L110 110A50 50 0 0 0 110 10L10 10Z\""), "{text}");
@@ -255,7 +269,7 @@ mod tests {
     fn a_part_that_must_not_be_cut_has_no_cuts() {
         let mut d = drawing();
         d.pieces[0].marked = true;
-        let text = String::from_utf8(write(&d).expect("written")).expect("text");
+        let text = written(&d).expect("written");
         assert!(!text.contains("cut-outer") && !text.contains("#ff0000") && !text.contains("rulings"), "{text}");
         assert!(
             text.contains("class=\"not-certified\"") && text.contains("<title>A &amp; &lt;B&gt; NOT CERTIFIED</title>")
@@ -267,6 +281,6 @@ mod tests {
     fn numbers_that_are_not_finite_are_refused() {
         let mut d = drawing();
         d.pieces[0].rulings[0][0].x = f64::NAN;
-        assert_eq!(write(&d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
+        assert_eq!(written(&d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
     }
 }

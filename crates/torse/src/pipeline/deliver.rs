@@ -7,12 +7,14 @@ use crate::answer::Answer;
 use crate::certify::claim::{Claim, Demand, Evidence, Subject, UpperBound, What};
 use crate::certify::written::{self, WrittenCertificate};
 use crate::certify::{written_cones, written_strips};
-use crate::io::bundle::{self, part_files, BundleError, File, CONES, PANELS};
+use crate::io::bundle::{self, part_files, BundleError, Contents, File, CONES, PANELS};
 use crate::io::{drawings, step};
 use crate::num::parallel;
-use crate::patchwork::pattern::Pattern;
 use crate::reason::{Item, Reason, WrittenFault};
 use crate::torse::strip::Strip;
+use std::collections::{BTreeMap, HashMap};
+use std::io::{self, Write};
+use std::sync::{Mutex, PoisonError};
 
 /// All files of an answer. `time` stamps the STEP header: `2026-11-21T14:30:00`.
 ///
@@ -31,35 +33,47 @@ use crate::torse::strip::Strip;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn files(answer: &mut Answer, time: &str) -> Result<Vec<File>, BundleError> {
-    let mut out = Vec::new();
-    each_file(answer, time, &mut |file| {
-        out.push(file);
+    let out = Mutex::new(BTreeMap::new());
+    each_file(answer, time, &|name, contents| {
+        let (name, bytes) = bundle::file(name, contents)?;
+        out.lock().unwrap_or_else(PoisonError::into_inner).insert(name, bytes);
         Ok::<(), BundleError>(())
     })?;
-    Ok(out)
+    Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect())
 }
 
-/// As [`files`], but hands them over one by one, so that not all of them are in memory; those that hold geometry only after all
-/// of these were judged.
+/// As [`files`], but hands over the name of each file and what writes its contents, from several threads, so that what is long is
+/// never in memory. A file may be handed over twice, the second time with marks of what must not be cut: what comes last counts.
 ///
 /// # Errors
 /// As [`files`], and those of `take`.
-pub fn each_file<E: From<BundleError>>(
+pub fn each_file<E: From<BundleError> + Send>(
     answer: &mut Answer,
     time: &str,
-    take: &mut dyn FnMut(File) -> Result<(), E>,
+    take: &(dyn Fn(&str, Contents) -> Result<(), E> + Sync),
 ) -> Result<(), E> {
-    // Marks are no part of what is judged: first as if there were none, then with those that came of it.
+    // Marks are no part of what is judged: first as if there were none, then with those that came of it. Where some are sure to
+    // come, files without them are not handed over.
+    let marked = Marks::of(answer).any();
     let mut shown = present_marked(answer, Marks::none(answer));
-    let mut geometry = bundle::geometry(answer, &shown, time)?;
-    judge(answer, &geometry);
+    let alone = alone(answer);
+    let judged = |name: &str, contents: Contents| {
+        let mut back = ReadBack::of(name);
+        if marked {
+            contents(&mut back).map_err(|source| BundleError::Write { file: name.to_owned(), source })?;
+        } else {
+            take(name, &mut |out| contents(&mut Both(&mut *out, &mut back)))?;
+        }
+        Ok::<Found, E>(back.found(answer, &alone, name))
+    };
+    let written = bundle::each_geometry(answer, &shown, time, &judged)?;
+    conclude(answer, written);
     let marks = Marks::of(answer);
     if marks.any() {
         shown = present_marked(answer, marks);
-        geometry = bundle::geometry(answer, &shown, time)?;
+        bundle::each_geometry(answer, &shown, time, take)?;
     }
-    geometry.into_iter().try_for_each(&mut *take)?;
-    bundle::reports(answer, &shown, take)
+    bundle::reports(answer, &shown, &mut |name, contents| take(name, contents))
 }
 
 /// What a drawing may be off patterns that are only measured, as a share of the tolerance.
@@ -68,18 +82,101 @@ const DRAWN_SHARE: f64 = 1e-3;
 /// Compares files with what was judged; what does not agree, takes a proven distance beyond its limit, or is off by more
 /// than the tolerance leaves, ends the certificate.
 pub fn judge(answer: &mut Answer, files: &[File]) {
-    let alone = part_files(answer.patterns.iter().filter(|_| answer.cut.one_per_part).map(|p| p.name.as_str()));
-    answer.written = parallel::map(files.iter(), |(name, bytes)| {
-        let found = match alone.iter().position(|part| part == name) {
-            _ if name == PANELS || name == CONES => panels(answer, bytes),
-            Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
-            None => drawing(name, bytes, &answer.patterns)?,
+    let alone = alone(answer);
+    let written = parallel::map(files.iter(), |(name, bytes)| {
+        let mut back = ReadBack::of(name);
+        back.take(bytes);
+        back.found(answer, &alone, name)
+    });
+    conclude(answer, written);
+}
+
+/// A file read back, by its name.
+type Found = Option<(String, WrittenCertificate)>;
+
+/// The patterns that are alone in files, by the names of these.
+fn alone(answer: &Answer) -> HashMap<String, usize> {
+    let patterns = answer.patterns.iter().filter(|_| answer.cut.one_per_part);
+    part_files(patterns.map(|p| p.name.as_str())).into_iter().zip(0..).collect()
+}
+
+/// A file that is read back while it is written.
+enum ReadBack {
+    Dxf(drawings::Dxf),
+    Svg(drawings::Svg),
+    /// Panels for CAD, which are read when they are all there.
+    Panels(Vec<u8>),
+    /// A copy that is not compared.
+    Copy,
+}
+
+impl ReadBack {
+    fn of(name: &str) -> Self {
+        if name == PANELS || name == CONES {
+            Self::Panels(Vec::new())
+        } else if name.ends_with(".dxf") {
+            Self::Dxf(drawings::Dxf::default())
+        } else if name.ends_with(".svg") {
+            Self::Svg(drawings::Svg::default())
+        } else {
+            Self::Copy
+        }
+    }
+
+    fn take(&mut self, bytes: &[u8]) {
+        match self {
+            Self::Dxf(dxf) => dxf.take(bytes),
+            Self::Svg(svg) => svg.take(bytes),
+            Self::Panels(all) => all.extend_from_slice(bytes),
+            Self::Copy => {}
+        }
+    }
+
+    /// What is in the file, against what was judged.
+    fn found(self, answer: &Answer, alone: &HashMap<String, usize>, name: &str) -> Found {
+        let pieces = match self {
+            Self::Panels(bytes) => return Some((name.to_owned(), panels(answer, &bytes))),
+            Self::Dxf(dxf) => dxf.end(),
+            Self::Svg(svg) => svg.end(),
+            Self::Copy => return None,
         };
-        Some((name.clone(), found))
-    })
-    .into_iter()
-    .flatten()
-    .collect();
+        let patterns = match alone.get(name) {
+            Some(&part) => &answer.patterns[part..=part],
+            None => &answer.patterns,
+        };
+        Some((name.to_owned(), written::of(pieces, |pieces| written::drawing(patterns, pieces))))
+    }
+}
+
+impl Write for ReadBack {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.take(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Writes to a file, and reads back what was written.
+struct Both<'a>(&'a mut dyn Write, &'a mut ReadBack);
+
+impl Write for Both<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.0.write(bytes)?;
+        self.1.take(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+/// What came of all files: what does not agree, or is off too far, ends the certificate.
+fn conclude(answer: &mut Answer, written: Vec<Found>) {
+    answer.written = written.into_iter().flatten().collect();
     // What the patterns are off already leaves of what each may be; panels that cover faces have what writing moves among their
     // bounds. What is beyond its limit anyway is told of its part.
     let of_panels = answer.flat.iter().map(|f| answer.tolerance - f.drawing_bound());
@@ -147,16 +244,4 @@ fn moved_beyond(claim: &Claim, off: f64) -> bool {
         }
         _ => false,
     }
-}
-
-/// A cutting drawing against its patterns; `None` for files that are none.
-fn drawing(name: &str, bytes: &[u8], patterns: &[Pattern]) -> Option<WrittenCertificate> {
-    let pieces = if name.ends_with(".dxf") {
-        drawings::dxf(bytes)
-    } else if name.ends_with(".svg") {
-        drawings::svg(bytes)
-    } else {
-        return None;
-    };
-    Some(written::of(pieces, |pieces| written::drawing(patterns, pieces)))
 }

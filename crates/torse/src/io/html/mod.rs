@@ -17,6 +17,8 @@ use crate::answer::presentation::Presentation;
 use crate::answer::Job;
 use crate::draw::field::FieldMeaning;
 use base64::prelude::{Engine, BASE64_STANDARD};
+use base64::write::EncoderWriter;
+use std::io::{self, Write};
 
 /// Everything the page shows.
 #[derive(Clone, Copy)]
@@ -35,27 +37,22 @@ pub struct Page<'a> {
     pub pictures: &'a Pictures,
 }
 
-/// The page could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("report.html: {0}")]
-pub struct HtmlError(#[from] serde_json::Error);
-
 const FRAME: &str = include_str!("frame.html");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("viewer.js");
 
-/// The text of `report.html`.
+/// Writes the text of `report.html`.
 ///
 /// # Errors
-/// None in practice: the geometry's description always has a JSON form.
-pub fn write(page: &Page) -> Result<String, HtmlError> {
+/// Those of `out`.
+pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
     let Page { report, shown, pictures, .. } = *page;
     let covers = report.covers_faces();
     let thing = thing(page.job);
     let plural = format!("{thing}s");
     let capital = capitalised(&plural);
-    let main = fill(PAGE, |name| match name {
+    let main = |name: &str| match name {
         "result" => if covers { "Certificate" } else { "Result" }.into(),
         "certificate" if covers => {
             words::certificate(report) + &tables::seams(report) + &tables::panels_along_curves(report)
@@ -87,7 +84,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
             }
         }
         _ => String::new(),
-    });
+    };
     let field = if covers { "Deviation" } else { page.meaning.name.as_str() };
     let coloured = covers || pictures.field.is_some();
     let unit = if page.meaning.unit.is_empty() { "mm" } else { &page.meaning.unit };
@@ -95,7 +92,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
     let header = serde_json::to_string(&header)?;
     let hidden = |there: bool| if there { "" } else { "hidden" };
     let first = words::first_line(report);
-    Ok(fill(FRAME, |name| match name {
+    let frame = |name: &str| match name {
         "first" if first.is_empty() => String::new(),
         "first" => format!("<p class=\"stop\" role=\"alert\">{}</p>", escape(&first)),
         "title" => escape(&report.input),
@@ -114,13 +111,20 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "joints_hidden" => hidden(!shown.scene.joints.is_empty()).into(),
         "field_name" => escape(field),
         "limit" => format!("{}&nbsp;{}", numbers::number(page.limit), escape(unit)),
-        "main" => main.clone(),
         "version" => escape(&report.version),
         "panels_png" => image(&pictures.panels),
         "scene" => header.replace('<', "\\u003c"),
-        "geometry" => BASE64_STANDARD.encode(&blob),
         _ => String::new(),
-    }))
+    };
+    fill(FRAME, out, &mut |name, out| match name {
+        "main" => fill(PAGE, out, &mut |name, out| out.write_all(main(name).as_bytes())),
+        "geometry" => {
+            let mut encoded = EncoderWriter::new(out, &BASE64_STANDARD);
+            encoded.write_all(&blob)?;
+            encoded.finish().map(drop)
+        }
+        name => out.write_all(frame(name).as_bytes()),
+    })
 }
 
 /// Maps of deviations and values.
@@ -154,19 +158,23 @@ fn image(bytes: &[u8]) -> String {
 }
 
 /// Replaces each `{{name}}` of a template once; what is put in is not looked at again.
-fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
+fn fill(
+    template: &str,
+    out: &mut dyn Write,
+    value: &mut dyn FnMut(&str, &mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let mut parts = template.split("{{");
-    let mut out = parts.next().unwrap_or_default().to_string();
+    out.write_all(parts.next().unwrap_or_default().as_bytes())?;
     for part in parts {
         match part.split_once("}}") {
             Some((name, rest)) => {
-                out.push_str(&value(name));
-                out.push_str(rest);
+                value(name, out)?;
+                out.write_all(rest.as_bytes())?;
             }
-            None => out.push_str(part),
+            None => out.write_all(part.as_bytes())?,
         }
     }
-    out
+    Ok(())
 }
 
 #[cfg(test)]
@@ -214,7 +222,9 @@ mod tests {
         let meaning = FieldMeaning::default();
         let page =
             Page { report, job: Job::Approximate, meaning: &meaning, limit: 1.0, shown: &shown, pictures: &pictures };
-        write(&page).expect("a page")
+        let mut out = Vec::new();
+        write(&page, &mut out).expect("a page");
+        String::from_utf8(out).expect("text")
     }
 
     #[test]
@@ -226,12 +236,13 @@ mod tests {
         }
         assert!(text.contains("0.988"), "the bound, rounded up");
         // An unknown name in the template would leave an empty place.
-        fill(PAGE, |name| {
+        let known = &mut |name: &str, _: &mut dyn Write| {
             let known = "result certificate warnings panel_count panel_words thing Things face_head figure_heads \
                          panel_rows joins shapes layout part_rows joints points field faces";
             assert!(known.split_whitespace().any(|k| k == name), "{name}");
-            String::new()
-        });
+            Ok(())
+        };
+        fill(PAGE, &mut Vec::new(), known).expect("filled");
     }
 
     /// Parts that are only laid flat name their faces too, but no faces are listed there.

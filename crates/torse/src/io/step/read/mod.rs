@@ -41,7 +41,7 @@ pub enum ReadError {
     #[error("the file is empty")]
     Empty,
     /// Something else than STEP.
-    #[error("this is not a STEP file: {0}")]
+    #[error("this is neither a STEP, an IGES nor a Rhino file: {0}")]
     NotStep(String),
     /// The data section is missing, holds no record, or ends where records that others need are still to come.
     #[error("the STEP file is truncated: {0}; save it again from the CAD program")]
@@ -115,7 +115,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let mut notes = remarks(&records);
     notes.extend(census.notes.iter().cloned());
     let mut skipped: Vec<Skipped> = census.faults.iter().map(as_skipped).collect();
-    if records.truncated && (census.unplaced || census.occurrences.is_empty()) {
+    if records.damage.truncated && (census.unplaced || census.occurrences.is_empty()) {
         let last = records.order.last().map_or(0, |id| *id);
         return Err(ReadError::Truncated(format!(
             "it ends after #{last} without ENDSEC, before the shape representation that holds its surfaces"
@@ -237,17 +237,17 @@ fn foreign(text: &str) -> ReadError {
 
 /// Text that could not be read, in words.
 fn damage(records: &Records) -> Option<String> {
-    (records.unreadable > 0).then(|| {
+    (records.damage.unreadable > 0).then(|| {
         format!(
             "{} stretches of text are not records and were passed over, the first in line {}",
-            records.unreadable, records.first_unreadable_line
+            records.damage.unreadable, records.damage.first_unreadable_line
         )
     })
 }
 
 fn remarks(records: &Records) -> Vec<String> {
     let mut notes = Vec::new();
-    if records.truncated {
+    if records.damage.truncated {
         notes.push(
             "the file ends without ENDSEC: it may be truncated, though nothing is known to be missing".to_string(),
         );

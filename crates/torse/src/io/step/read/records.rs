@@ -46,6 +46,18 @@ impl<'a> Record<'a> {
     pub fn name(&self) -> &'a str {
         self.parts.last().map_or("", |p| p.name)
     }
+
+    /// Arguments of the part `name`; this is record `#id`.
+    pub fn args(&self, id: u64, name: &str) -> Result<Args<'_, 'a>, Fault> {
+        let p = self.part(name).ok_or_else(|| Fault::new(id, format!("#{id} is a {}, not a {name}", self.name())))?;
+        Ok(Args { id, values: &p.args })
+    }
+
+    /// Arguments of a simple instance, or of the last part of a complex one; this is record `#id`.
+    pub fn simple(&self, id: u64) -> Result<Args<'_, 'a>, Fault> {
+        let p = self.parts.last().ok_or_else(|| Fault::new(id, format!("#{id} is empty")))?;
+        Ok(Args { id, values: &p.args })
+    }
 }
 
 /// All records of the DATA sections.
@@ -56,6 +68,13 @@ pub(super) struct Records<'a> {
     pub order: Vec<u64>,
     /// Entity numbers given to two records of different content; the first is used.
     pub repeated: Vec<u64>,
+    /// What is no record.
+    pub damage: Damage,
+}
+
+/// What a text holds that is no record, and how it ends.
+#[derive(Debug, Default)]
+pub(super) struct Damage {
     /// Number of stretches of text that are not records.
     pub unreadable: usize,
     /// Line of the first of these, counted from 1.
@@ -66,53 +85,76 @@ pub(super) struct Records<'a> {
     cut_line: Option<usize>,
 }
 
+impl Damage {
+    fn add(&mut self, text: &str, at: usize) {
+        self.unreadable += 1;
+        if self.unreadable == 1 {
+            self.first_unreadable_line = line(text, at);
+        }
+    }
+}
+
+/// Hands over every record of the text from its first `DATA;` on, with its number and where it begins. `None` if there is no such
+/// section.
+pub(super) fn each_record<'a>(text: &'a str, take: &mut dyn FnMut(u64, usize, Record<'a>)) -> Option<Damage> {
+    let start = data_section(text)?;
+    let mut out = Damage { truncated: true, ..Damage::default() };
+    let mut c = Cursor::new(text, start);
+    loop {
+        c.skip_blanks();
+        let Some(b) = c.peek() else { break };
+        let statement = c.at;
+        if b == b'#' {
+            match record(&mut c) {
+                Some((id, record)) => take(id, statement, record),
+                None => {
+                    out.add(text, statement);
+                    c.at = resume(text, statement + 1);
+                    if c.peek().is_none() {
+                        out.cut_line = Some(line(text, text.len()));
+                    }
+                }
+            }
+            continue;
+        }
+        match c.word() {
+            "ENDSEC" => {
+                out.truncated = false;
+                c.take(b';');
+            }
+            "DATA" => {
+                // A further section, possibly with a parameter list.
+                out.truncated = true;
+                if c.list(0).is_err() {
+                    c.skip_blanks();
+                }
+                c.take(b';');
+            }
+            word if word.starts_with("END-ISO") => break,
+            _ => {
+                out.add(text, statement);
+                c.at = resume(text, statement + 1);
+            }
+        }
+    }
+    Some(out)
+}
+
+/// The record that begins at a place where one was found.
+pub(super) fn record_at(text: &str, at: usize) -> Option<Record<'_>> {
+    record(&mut Cursor::new(text, at)).map(|(_, record)| record)
+}
+
 impl<'a> Records<'a> {
     /// Reads every record of the text from its first `DATA;` on. `None` if there is no such section.
     pub fn parse(text: &'a str) -> Option<Self> {
-        let start = data_section(text)?;
-        let mut out = Self { truncated: true, ..Self::default() };
-        let mut c = Cursor::new(text, start);
-        loop {
-            c.skip_blanks();
-            let Some(b) = c.peek() else { break };
-            let statement = c.at;
-            if b == b'#' {
-                match record(&mut c) {
-                    Some((id, record)) => out.insert(id, record),
-                    None => {
-                        out.damage(text, statement);
-                        c.at = resume(text, statement + 1);
-                        if c.peek().is_none() {
-                            out.cut_line = Some(line(text, text.len()));
-                        }
-                    }
-                }
-                continue;
-            }
-            match c.word() {
-                "ENDSEC" => {
-                    out.truncated = false;
-                    c.take(b';');
-                }
-                "DATA" => {
-                    // A further section, possibly with a parameter list.
-                    out.truncated = true;
-                    if c.list(0).is_err() {
-                        c.skip_blanks();
-                    }
-                    c.take(b';');
-                }
-                word if word.starts_with("END-ISO") => break,
-                _ => {
-                    out.damage(text, statement);
-                    c.at = resume(text, statement + 1);
-                }
-            }
-        }
+        let mut out = Self::default();
+        out.damage = each_record(text, &mut |id, _, record| out.insert(id, record))?;
         Some(out)
     }
 
-    fn insert(&mut self, id: u64, record: Record<'a>) {
+    /// Adds a record.
+    pub fn insert(&mut self, id: u64, record: Record<'a>) {
         match self.by_number.entry(id) {
             Entry::Vacant(v) => {
                 v.insert(record);
@@ -126,21 +168,14 @@ impl<'a> Records<'a> {
         }
     }
 
-    fn damage(&mut self, text: &str, at: usize) {
-        self.unreadable += 1;
-        if self.unreadable == 1 {
-            self.first_unreadable_line = line(text, at);
-        }
-    }
-
     /// Where the text was cut off, in words, if something of it is certainly lost: it ends without ENDSEC, and inside a
     /// record or before records that others refer to. A file that lacks no more than its last lines is whole.
     pub fn loss(&self) -> Option<String> {
-        if !self.truncated {
+        if !self.damage.truncated {
             return None;
         }
         let after = self.order.last().map_or(String::new(), |id| format!(" after #{id}"));
-        if let Some(line) = self.cut_line {
+        if let Some(line) = self.damage.cut_line {
             return Some(format!("it ends in line {line}, inside the record{after}"));
         }
         let absent = |v: &Value| missing(v, &self.by_number);
@@ -168,16 +203,12 @@ impl<'a> Records<'a> {
 
     /// Arguments of the part `name` of `#id`.
     pub fn args(&self, id: u64, name: &str) -> Result<Args<'_, 'a>, Fault> {
-        let r = self.get(id)?;
-        let p = r.part(name).ok_or_else(|| Fault::new(id, format!("#{id} is a {}, not a {name}", r.name())))?;
-        Ok(Args { id, values: &p.args })
+        self.get(id)?.args(id, name)
     }
 
     /// Arguments of a simple instance, or of the last part of a complex one.
     pub fn simple(&self, id: u64) -> Result<Args<'_, 'a>, Fault> {
-        let r = self.get(id)?;
-        let p = r.parts.last().ok_or_else(|| Fault::new(id, format!("#{id} is empty")))?;
-        Ok(Args { id, values: &p.args })
+        self.get(id)?.simple(id)
     }
 
     /// Numbers of all records that have a part with one of the keywords, in the order of the file.
@@ -412,7 +443,7 @@ mod tests {
         assert!(r.get(1).is_ok() && r.get(4).is_ok() && r.get(5).is_ok());
         assert_eq!(r.get(4).expect("4").parts.len(), 2);
         assert_eq!(r.repeated, vec![4]);
-        assert!(r.truncated && r.unreadable >= 1);
+        assert!(r.damage.truncated && r.damage.unreadable >= 1);
         assert_eq!(r.args(5, "D").expect("args").references(0).expect("list"), vec![1, 2]);
     }
 
@@ -420,7 +451,7 @@ mod tests {
     fn names_may_hold_the_word_data() {
         let r = Records::parse("FILE_NAME('DATA; x');META_DATA;DATA;#1=A();ENDSEC;").expect("section");
         assert_eq!(r.len(), 1);
-        assert!(!r.truncated);
+        assert!(!r.damage.truncated);
         for header in [
             "'see DATA; #1=B();#2=C();'",
             "'it''s DATA; #1=B();'",
@@ -429,7 +460,7 @@ mod tests {
         ] {
             let text = format!("HEADER;FILE_NAME({header});ENDSEC;\nDATA;#1=A();ENDSEC;");
             let r = Records::parse(&text).expect("section");
-            assert_eq!((r.len(), r.name(1), r.unreadable), (1, "A", 0), "{header}");
+            assert_eq!((r.len(), r.name(1), r.damage.unreadable), (1, "A", 0), "{header}");
         }
         // A string that does not end hides no data.
         let r = Records::parse("HEADER;FILE_NAME('it's);ENDSEC;\nDATA;\n#1=A('x');ENDSEC;").expect("section");
