@@ -4,6 +4,7 @@ pub(crate) mod cone_panels;
 pub(crate) mod joints;
 pub mod marks;
 pub mod note;
+pub(crate) mod orders;
 pub mod presentation;
 pub mod shapes;
 pub mod shop;

@@ -1,6 +1,7 @@
 //! What people look at and cutters follow: scene, view and drawing of an answer.
 
 use super::marks::Marks;
+use super::orders::{self, PartOrder};
 use super::shapes::{shapes, Shape};
 use super::{Answer, Stage};
 use crate::develop::layout::layout;
@@ -37,6 +38,8 @@ pub struct Presentation {
     pub pieces: Vec<FlatPiece>,
     /// Planes, cylinders, cones and tangent surfaces of which whole strips consist; empty where panels cover faces.
     pub shapes: Vec<Shape>,
+    /// What is ordered of each pattern.
+    pub(crate) orders: Vec<PartOrder>,
     /// Their triangles, to be coloured by kind.
     pub shape_patches: Vec<ShapePatch>,
 }
@@ -81,9 +84,11 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let placements = layout(&answer.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
     let longest = answer.patterns.iter().map(|p| p.length).fold(0.0, f64::max);
+    let orders = orders::orders(answer);
     let options = DrawingOptions {
         title: answer.input.to_uppercase(),
         sources: sources(answer),
+        words: orders::words(answer, &orders),
         unit: answer.cut.unit,
         test_square: true,
     };
@@ -95,6 +100,7 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
         pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * longest, &marks),
         shape_patches: shape_patches(answer, &shapes),
         shapes,
+        orders,
         marks,
         scene,
     }
@@ -195,8 +201,10 @@ fn sources(answer: &Answer) -> Vec<String> {
 fn alone(patterns: &[Pattern], marks: &Marks, options: &DrawingOptions) -> Vec<(String, Drawing)> {
     let one = |(k, pattern): (usize, &Pattern)| {
         let one = std::slice::from_ref(pattern);
+        let DrawingOptions { unit, test_square, .. } = *options;
         let sources = options.sources.get(k..=k).unwrap_or(&[]).to_vec();
-        let options = DrawingOptions { sources, ..options.clone() };
+        let words = options.words.get(k..=k).unwrap_or(&[]).to_vec();
+        let options = DrawingOptions { title: options.title.clone(), sources, words, unit, test_square };
         let marked = marks.patterns.get(k..=k).unwrap_or(&[]);
         (pattern.name.clone(), drawing(one, &layout(one), marked, &options))
     };

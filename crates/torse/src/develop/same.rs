@@ -22,8 +22,37 @@ const SAME_TURN: f64 = 1e-5;
 
 /// For every pattern the first one before it that it equals; `thicknesses` (mm) may be empty.
 pub(crate) fn same_parts(patterns: &[Pattern], thicknesses: &[f64]) -> Vec<Option<SamePart>> {
-    let mut out = vec![None; patterns.len()];
-    let mut order: Vec<usize> = (0..patterns.len()).filter(|k| !patterns[*k].contours.is_empty()).collect();
+    let one = |q: &Pattern, p: &Pattern| match equal(q, p) {
+        true => Some(false),
+        false => equal(&q.turned_over(), p).then_some(true),
+    };
+    let found = alike(patterns, thicknesses, &|_| true, &one);
+    found.into_iter().map(|f| f.map(|(pattern, mirrored)| SamePart { pattern, mirrored })).collect()
+}
+
+/// For every pattern that equals no earlier one the first before it whose part is its mirror image: the other outline, bent the
+/// same way. Parts that stay flat are turned over for that.
+pub(crate) fn opposite_hands(
+    patterns: &[Pattern],
+    thicknesses: &[f64],
+    same: &[Option<SamePart>],
+) -> Vec<Option<usize>> {
+    let is_bent = |k: usize| patterns[k].bends.iter().any(|b| b.sense != BendSense::Flat);
+    let one = |q: &Pattern, p: &Pattern| equal(&q.mirror_image(), p).then_some(());
+    let found = alike(patterns, thicknesses, &|k| same[k].is_none() && is_bent(k), &one);
+    found.into_iter().map(|f| f.map(|(pattern, ())| pattern)).collect()
+}
+
+/// For every pattern that is asked for the first one before it, itself alike no other, that is alike, and how.
+fn alike<T>(
+    patterns: &[Pattern],
+    thicknesses: &[f64],
+    asked: &dyn Fn(usize) -> bool,
+    one: &dyn Fn(&Pattern, &Pattern) -> Option<T>,
+) -> Vec<Option<(usize, T)>> {
+    let mut out: Vec<Option<(usize, T)>> = patterns.iter().map(|_| None).collect();
+    let mut order: Vec<usize> =
+        (0..patterns.len()).filter(|k| !patterns[*k].contours.is_empty() && asked(*k)).collect();
     order.sort_by(|a, b| patterns[*a].area.total_cmp(&patterns[*b].area).then(a.cmp(b)));
     let thickness = |k: usize| thicknesses.get(k).copied().unwrap_or(0.0);
     for (at, &k) in order.iter().enumerate() {
@@ -37,17 +66,8 @@ pub(crate) fn same_parts(patterns: &[Pattern], thicknesses: &[f64]) -> Vec<Optio
             .chain(order[at + 1..].iter().take_while(|j| patterns[**j].area - p.area <= 2.0 * SAME * p.area));
         let mut alike: Vec<usize> = alike.copied().filter(|j| *j < k && out[*j].is_none()).collect();
         alike.sort_unstable();
-        let one = |j: usize| {
-            let q = &patterns[j];
-            if (thickness(j) - thickness(k)).abs() > SAME * thickness(k) {
-                return None;
-            }
-            if equal(q, p) {
-                return Some(SamePart { pattern: j, mirrored: false });
-            }
-            equal(&q.turned_over(), p).then_some(SamePart { pattern: j, mirrored: true })
-        };
-        out[k] = alike.into_iter().find_map(one);
+        let as_thick = |j: &usize| (thickness(*j) - thickness(k)).abs() <= SAME * thickness(k);
+        out[k] = alike.into_iter().filter(as_thick).find_map(|j| Some((j, one(&patterns[j], p)?)));
     }
     out
 }
@@ -191,6 +211,13 @@ mod tests {
         assert_eq!(found[2], Some(SamePart { pattern: 0, mirrored: true }));
         // The same outline, bent the other way, is another part.
         assert_eq!(found[3], None);
+        let hands = |all: &[Pattern]| opposite_hands(all, &[], &same_parts(all, &[]));
+        assert_eq!(hands(&all), [None; 4]);
+        // Mirrored and bent the same way it is the opposite hand; a flat part is the same turned over.
+        let mirrored = part(1.0, 1, up).mirror_image();
+        assert_eq!(hands(&[all[0].clone(), mirrored.clone(), mirrored]), [None, Some(0), None]);
+        let flat = part(0.0, 0, BendSense::Flat);
+        assert_eq!(hands(&[flat.clone(), flat.mirror_image()]), [None, None]);
     }
 
     #[test]

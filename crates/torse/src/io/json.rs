@@ -320,6 +320,10 @@ pub struct PartRecord {
     pub same_as: String,
     /// Whether one of the two must be turned over.
     pub mirrored: bool,
+    /// Name of the first part of which this one is the mirror image, bent the same way; empty if there is none before it, and for
+    /// parts that equal another.
+    #[serde(default)]
+    pub opposite_hand_of: String,
     /// Parts that are made from this drawing as it is, this one among them; 0 where `same_as` names another drawing.
     #[serde(default)]
     pub quantity: usize,
@@ -586,6 +590,7 @@ pub(crate) mod tests {
             neutral: None,
             same_as: String::new(),
             mirrored: false,
+            opposite_hand_of: String::new(),
             quantity: 1,
             quantity_turned_over: 0,
             cut_length: Some(2742.9),

@@ -298,6 +298,11 @@ impl Pattern {
         }
     }
 
+    /// The pattern of the part's mirror image, bent the same way and seen from the same side.
+    pub fn mirror_image(&self) -> Self {
+        Self { view: self.view, bends: self.bends.clone(), ..self.turned_over() }
+    }
+
     /// Area over length, mm.
     pub fn mean_width(&self) -> f64 {
         self.area / self.length.max(f64::MIN_POSITIVE)

@@ -156,13 +156,21 @@ pub(crate) fn too_tight(inside_radius: f64, thickness: f64, material: Option<&Ma
     below_least(inside_radius, thickness, material)
 }
 
+/// Share by which radii of files may fall short of a least one: they are rounded.
+const ROUNDED: f64 = 1e-9;
+
 /// What the material has against an inside radius (mm), of a sheet that is known to have room there.
 pub(crate) fn below_least(inside_radius: f64, thickness: f64, material: Option<&Material>) -> Option<TooTight> {
     let material = material?;
     let least = material.least_radius?;
     let needed = least.of(thickness);
     let name = material.name.clone();
-    (inside_radius < needed).then_some(TooTight::BelowLeast { radius: inside_radius, needed, material: name, least })
+    (inside_radius < needed * (1.0 - ROUNDED)).then_some(TooTight::BelowLeast {
+        radius: inside_radius,
+        needed,
+        material: name,
+        least,
+    })
 }
 
 #[cfg(test)]
@@ -216,6 +224,7 @@ mod tests {
             matches!(too_tight(7.9, 4.0, Some(&steel)), Some(TooTight::BelowLeast { needed, .. }) if (needed - 8.0).abs() < 1e-12)
         );
         // The tip of a rolled cone.
+        assert!(below_least(8.0 - 1e-14, 4.0, Some(&steel)).is_none());
         assert!(matches!(below_least(0.0, 4.0, Some(&steel)), Some(TooTight::BelowLeast { .. })));
         assert!(below_least(0.0, 4.0, None).is_none());
         assert!(too_tight(-1.0, 4.0, None) == Some(TooTight::NoRoom { thickness: 4.0 }));

@@ -210,6 +210,7 @@ mod tests {
             pieces: vec![flat],
             shapes: Vec::new(),
             shape_patches: Vec::new(),
+            orders: Vec::new(),
         };
         let pictures = Pictures {
             panels: vec![1, 2],

@@ -14,8 +14,6 @@ use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Demand, Evidence, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
-use crate::develop::same::same_parts;
-use crate::develop::shop::order::{cut_length, quantities, Quantity};
 use crate::io::{bend_table, bends, words};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
@@ -264,23 +262,19 @@ fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
 
 fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
     let parts = answer.parts.iter().enumerate();
-    let drawn: HashMap<usize, usize> = answer.patterns.iter().enumerate().map(|(k, p)| (p.panel, k)).collect();
-    let thicknesses: Vec<f64> = answer.sheets.iter().map(|s| s.thickness).collect();
-    let equal = same_parts(&answer.patterns, &thicknesses);
-    let sheet = |part: usize| answer.sheets.get(*drawn.get(&part)?);
-    let same = |part: usize| equal[*drawn.get(&part)?];
-    let counts = quantities(&equal);
-    let count = |part: usize| drawn.get(&part).map_or_else(Quantity::default, |k| counts[*k]);
+    let drawn_at: HashMap<usize, usize> = answer.patterns.iter().enumerate().map(|(k, p)| (p.panel, k)).collect();
+    let sheet = |part: usize| answer.sheets.get(*drawn_at.get(&part)?);
+    let name = |pattern: Option<usize>| pattern.map_or_else(String::new, |k| answer.patterns[k].name.clone());
     let shop = &answer.shop;
-    let work = |part: usize| shop.work.get(*drawn.get(&part)?);
+    let work = |part: usize| shop.work.get(*drawn_at.get(&part)?);
     parts
         .map(|(k, part)| {
             let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
             let drawn = |value: fn(&Pattern) -> f64| pattern.map(value).and_then(finite);
             let proven = |value: fn(&FlatCertificate) -> f64| flat.map(value).and_then(finite);
             let panels = answer.patchwork.panels.iter().skip(part.first).take(part.count);
-            let thickness = sheet(k).map(|s| s.thickness).filter(|t| *t > 0.0).or(shop.thickness);
-            let weight = shop.material.as_ref().zip(thickness).zip(pattern).map(|((m, t), p)| m.weight(p.area, t));
+            let order = drawn_at.get(&k).and_then(|k| shown.orders.get(*k)).cloned().unwrap_or_default();
+            let thickness = order.thickness.or(shop.thickness);
             PartRecord {
                 name: part.name.clone(),
                 panels: panels.map(|p| p.strip.name.clone()).collect(),
@@ -298,18 +292,19 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 view: pattern.map_or_else(String::new, |p| p.view.name().into()),
                 bends: pattern.map_or_else(Vec::new, bends::records),
                 thickness,
-                same_as: same(k).map_or_else(String::new, |s| answer.patterns[s.pattern].name.clone()),
-                mirrored: same(k).is_some_and(|s| s.mirrored),
+                same_as: name(order.same.map(|s| s.pattern)),
+                mirrored: order.same.is_some_and(|s| s.mirrored),
+                opposite_hand_of: name(order.opposite),
                 sheet_bends: sheet(k).map_or_else(Vec::new, |s| bend_table::records(&s.bends)),
                 neutral: sheet(k).and_then(NeutralRecord::of),
-                quantity: count(k).as_drawn,
+                quantity: order.quantity.as_drawn,
                 curves: pattern.map_or(0, |p| p.curves.len()),
-                quantity_turned_over: count(k).turned_over,
-                cut_length: pattern.map(cut_length).and_then(finite),
-                pierces: pattern.map_or(0, |p| p.contours.len()),
+                quantity_turned_over: order.quantity.turned_over,
+                cut_length: pattern.and_then(|_| finite(order.cut_length)),
+                pierces: order.pierces,
                 material: shop.material.as_ref().map_or_else(String::new, |m| m.name.clone()),
                 material_source: shop.material.as_ref().map_or_else(String::new, |m| m.source.clone()),
-                weight_kg: weight.and_then(finite),
+                weight_kg: order.weight_kg,
                 inside_radius: work(k).and_then(|w| w.sheet).and_then(|s| finite(s.inside_radius)),
                 neutral_offset: work(k).and_then(|w| w.sheet).and_then(|s| finite(s.neutral)),
                 facets: work(k).and_then(|w| w.faceted.as_ref()).map(|f| FacetsRecord {
