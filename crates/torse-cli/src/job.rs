@@ -95,6 +95,8 @@ impl<'a> Job<'a> {
             };
             Failure::new(e.to_string(), help)
         })?;
+        // The maps of many parts are large, and nobody asks for them any more.
+        answer.charts = Vec::new();
         self.write_answer(answer, |name| name)
     }
 

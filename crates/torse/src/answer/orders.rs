@@ -92,15 +92,17 @@ fn lines(answer: &Answer, order: &PartOrder) -> Vec<String> {
     out
 }
 
-/// The middle one of the lines drawn for a bend, and what is written beside it: its number, way, angle and inside radius.
-fn bend((k, b): (usize, &SheetBend), unit: LengthUnit) -> Option<([Vec2; 2], String)> {
-    let line = *b.lines.get(b.lines.len() / 2)?;
+/// What is written beside a bend, its number, way, angle and inside radius, and where: the lines in which it begins and ends, and the
+/// middle one of those drawn.
+fn bend((k, b): (usize, &SheetBend), unit: LengthUnit) -> Option<(Vec<[Vec2; 2]>, String)> {
+    let middle = b.lines.get(b.lines.len() / 2)?;
+    let beside: Vec<[Vec2; 2]> = b.extents.iter().chain([middle]).copied().collect();
     let radius = match b.kind {
         BendKind::Bend if b.inside_radius.is_finite() => format!(" R{}", short(unit.of(b.inside_radius), 3)),
         BendKind::Rolled => " ROLLED".into(),
         _ => String::new(),
     };
-    Some((line, format!("{} {} {}{radius}", k + 1, b.sense.name().to_uppercase(), short(b.angle.to_degrees(), 1))))
+    Some((beside, format!("{} {} {}{radius}", k + 1, b.sense.name().to_uppercase(), short(b.angle.to_degrees(), 1))))
 }
 
 /// A number with so many decimals at most, without idle zeros.

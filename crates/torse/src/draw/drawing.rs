@@ -141,8 +141,8 @@ pub struct DrawingOptions {
 pub struct PartWords {
     /// Lines below the name.
     pub lines: Vec<String>,
-    /// Lines of the pattern, by their ends, and what is written beside them.
-    pub bends: Vec<([Vec2; 2], String)>,
+    /// What is written beside bends, and lines of the pattern beside which it may stand, the best first.
+    pub bends: Vec<(Vec<[Vec2; 2]>, String)>,
 }
 
 /// Draws patterns at their places; patterns without a placement stay where they are, those without an entry in `marked`
@@ -289,8 +289,13 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, index): (bool, usize
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
     }
-    for (bend, label) in &written.bends {
-        labels.put(label, places_beside(label, &line(bend), height));
+    // Clear of the lines of bends, too, where there is room.
+    let bent = Labels::new(piece.extents.iter().chain(&piece.rulings).copied().collect());
+    for (beside, label) in &written.bends {
+        let of = |l: &[Vec2; 2]| places_beside(label, &line(l), height).collect::<Vec<_>>();
+        let places: Vec<TextPlace> = beside.iter().flat_map(of).collect();
+        let clear = places.iter().copied().filter(|p| bent.is_clear(label, p));
+        _ = labels.put(label, clear) || labels.put(label, places.iter().copied());
     }
     let named = pattern.sections.iter().chain(&pattern.curves).zip(&drawn);
     for (k, (mark, line)) in named.enumerate().filter(|(_, (mark, _))| !mark.label.is_empty()) {
