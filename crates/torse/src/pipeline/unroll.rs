@@ -86,12 +86,12 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let mut absent: Vec<UnrollNote> = Vec::new();
     control.report("laying out the skins", PROVEN, format!("{} parts", parts.len()));
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
-        let own = if laid.is_some() { &[][..] } else { &part.faces[..] };
-        let of = |(k, f): (usize, &usize)| {
-            let (face, name) = (&faces[*f], format!("{}-{:02}", part.pattern.name, k + 1));
-            (face.entity, face_panel(face, &name))
+        let own = if laid.is_some() { 0 } else { part.faces.len() };
+        let of = |k: usize| {
+            let (face, name) = (part.outside_of(k, &faces), format!("{}-{:02}", part.pattern.name, k + 1));
+            (face.entity, face_panel(&face, &name))
         };
-        parallel::map(own.iter().enumerate(), of)
+        parallel::map(0..own, of)
     };
     let skins: Vec<_> = parallel::map(parts.iter().zip(&through_panels), skin);
     for ((part, laid), panels) in parts.iter().zip(&through_panels).zip(skins) {

@@ -78,6 +78,19 @@ pub struct FlatPart {
     pub shared: Vec<SharedEdge>,
 }
 
+impl FlatPart {
+    /// A face of the part, among the faces given, as it looks out of the sheet, whichever way its file says: the side whose flat image is
+    /// drawn.
+    pub fn outside_of(&self, k: usize, faces: &[Face]) -> Face {
+        let face = &faces[self.faces[k]];
+        if self.sheet.turned.get(k) == Some(&true) {
+            turned_over(face)
+        } else {
+            face.clone()
+        }
+    }
+}
+
 /// The parts of one body.
 #[derive(Clone, Debug, Default)]
 pub struct BodyParts {

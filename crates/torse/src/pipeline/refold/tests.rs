@@ -5,7 +5,7 @@ use crate::brep::face::Face;
 use crate::control::Control;
 use crate::develop::shop::thickness::{Sheet, SheetSide};
 use crate::develop::unfold::allowance::KFactor;
-use crate::develop::unfold::specimens::{quarter, rectangle, rolled_cone, round_surface};
+use crate::develop::unfold::specimens::{quarter, rectangle, rolled_cone, round_surface, BentSheet, Stretch};
 use crate::geom::Vec3;
 use crate::io::model::Model;
 use crate::pipeline::deliver::files;
@@ -25,10 +25,14 @@ fn back(faces: Vec<Face>) -> RefoldReport {
 
 /// The same with another tolerance, mm.
 fn back_within(faces: Vec<Face>, tolerance: f64) -> RefoldReport {
+    back_as(faces, &UnrollOptions { surfaces: true, ..UnrollOptions::new(tolerance) })
+}
+
+/// The same as it is asked for.
+fn back_as(faces: Vec<Face>, options: &UnrollOptions) -> RefoldReport {
     let model =
         Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![], curves: vec![] };
-    let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(tolerance) };
-    let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
+    let mut answer = unroll(&model, options, &Control::default()).expect("parts");
     let made: HashMap<String, Vec<u8>> =
         files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
     refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report()
@@ -82,6 +86,32 @@ fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
     };
     let left = refold(&silent, &Control::default()).expect("an answer").report().left;
     assert!(!left.is_empty(), "{left:?}");
+}
+
+/// Faces with some of them looking the other way.
+fn turned(mut faces: Vec<Face>, is_turned: &dyn Fn(usize) -> bool) -> Vec<Face> {
+    faces.iter_mut().enumerate().filter(|f| is_turned(f.0)).for_each(|f| f.1.reversed = !f.1.reversed);
+    faces
+}
+
+/// Faces of a solid may all look inwards, and some the other way than their neighbours: what is drawn is the skin as it looks out of
+/// the sheet, and so the panels are written with which it is compared.
+#[test]
+fn bent_sheets_that_are_inside_out_come_back_as_their_skins() {
+    let bends = [Stretch::Bend(1.0, 3.0), Stretch::Bend(-0.7, 4.0)];
+    let stretches = [Stretch::Line(40.0), bends[0], Stretch::Line(20.0), bends[1], Stretch::Line(30.0)];
+    let faces = BentSheet::new(2.0, &stretches, &[0.0, 25.0], &[]).faces();
+    let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| false, &|_| true, &|k| k % 2 == 0];
+    for is_turned in ways {
+        all_within(&back_as(turned(faces.clone(), is_turned), &UnrollOptions::new(TOLERANCE)), 5, 0.05);
+    }
+}
+
+/// The same of a face without one radius.
+#[test]
+fn a_rolled_cone_that_is_inside_out_comes_back_as_its_skin() {
+    let faces = rolled_cone(2.0, (20.0, 0.5), 30.0, 0.8);
+    all_within(&back_as(turned(faces, &|_| true), &UnrollOptions::new(TOLERANCE)), 1, 0.05);
 }
 
 /// Rolled over a full turn: one region with all its rulings, not one for every line.

@@ -121,11 +121,11 @@ fn kink(part: &FlatPart, faces: &[Face]) -> Option<FaceReason> {
 /// A surface of one face whose map has no closed form, laid flat anew through a panel that is proven; `None` for other parts,
 /// and where that cannot be proven.
 fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &Control) -> Option<LaidFace> {
-    let ([face], [None]) = (part.faces.as_slice(), part.maps.as_slice()) else { return None };
+    let ([_], [None]) = (part.faces.as_slice(), part.maps.as_slice()) else { return None };
     if part.sheet.thickness > 0.0 || control.stopped() {
         return None;
     }
-    let laid = laid_face(&faces[*face], &part.pattern.name, tolerance)?;
+    let laid = laid_face(&part.outside_of(0, faces), &part.pattern.name, tolerance)?;
     let seen = panels_viewed(&laid.patchwork, vec![laid.pattern.clone()], part.pattern.view).pop()?;
     part.pattern = Pattern { panel: part.pattern.panel, ..seen };
     // A panel is that of the surface itself.

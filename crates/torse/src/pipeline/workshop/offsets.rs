@@ -107,11 +107,12 @@ impl Outside {
         let panels = answer.patchwork.panels.get(part.first..part.first + part.count)?;
         let sign = |yes: bool| if yes { 1.0 } else { -1.0 };
         if let Some(turned) = answer.sheets.get(number).map(|s| &s.turned).filter(|t| !t.is_empty()) {
-            let of = |(panel, turned): (&crate::patchwork::panel::Panel, &bool)| {
+            // Faces that are unfolded look out as they were laid flat.
+            let of = |panel: &crate::patchwork::panel::Panel| {
                 let face = answer.patchwork.face_of(panel)?;
-                Some(sign(!panel.mirrored()) * sign(face.reversed == *turned))
+                Some(sign(!panel.mirrored()) * sign(!face.reversed))
             };
-            return (turned.len() == panels.len()).then(|| panels.iter().zip(turned).map(of).collect())?;
+            return (turned.len() == panels.len()).then(|| panels.iter().map(of).collect())?;
         }
         if self.strips.is_empty() {
             let of = |panel: &crate::patchwork::panel::Panel| {
