@@ -57,7 +57,8 @@ pub struct RefoldPart {
     pub disagreement_deg: f64,
     /// Distance between the corners of the panels laid flat and those of the outline as drawn.
     pub alignment: f64,
-    /// How far it may lie from panels that were given a sheet: as the neutral fibre, which is drawn, or as the outer side.
+    /// How far the neutral fibre, which is drawn, lies at most from panels that were given a sheet; 0 for others. What is bent back and
+    /// compared is their surface, as far from the fibre of the bent sheet.
     pub beside: f64,
     /// Place on the drawing of the sample farthest from where it belongs.
     pub worst: [f64; 2],
@@ -86,10 +87,10 @@ impl RefoldPanel {
 }
 
 impl RefoldPart {
-    /// Whether some place of it is farther from its part in space than a tolerance (mm) and the sheet ask for, as measured: what is proven is an upper
+    /// Whether some place of it is farther from its part in space than a tolerance (mm), as measured: what is proven is an upper
     /// bound, often far above it.
     fn is_beyond(&self, tolerance: f64) -> bool {
-        self.distance_estimate > tolerance + self.beside
+        self.distance_estimate > tolerance
     }
 }
 
@@ -154,13 +155,15 @@ impl RefoldReport {
                 };
             }
         }
-        let drawn_beside = |p: &&RefoldPart| p.distance_estimate > self.tolerance && !p.is_beyond(self.tolerance);
-        for p in self.parts.iter().filter(drawn_beside) {
+        let fibres: Vec<&RefoldPart> = self.parts.iter().filter(|p| p.beside > 0.0).collect();
+        if !fibres.is_empty() {
+            let most = fibres.iter().map(|p| p.beside).fold(0.0, f64::max);
             _ = writeln!(
                 out,
-                "  {}: bent back is the sheet, up to {} beside the panels that were given it",
-                p.name,
-                length(p.beside)
+                "  drawn is the neutral fibre, up to {} from the panels that were given a sheet: {}. What is compared of the sheet bent back \
+                 is the surface of the panels, as far from its fibre",
+                length(most),
+                fibres.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
             );
         }
         let beyond: Vec<&str> =

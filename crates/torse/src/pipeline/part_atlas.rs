@@ -1,6 +1,9 @@
 //! Parts of a result with their panels in space and their flat patterns: what refolding and carrying artwork begin with.
 
+mod fibre;
 mod strips;
+
+pub(crate) use fibre::beside_panels;
 
 use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
@@ -9,15 +12,14 @@ use crate::develop::refold::atlas::{of_face, Atlas, AtlasError, PanelPatch};
 use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow, ROUNDED};
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{one_family, sheet, RefoldError};
-use crate::develop::shop::thickness::SheetSide;
-use crate::develop::unfold::allowance::{Fibre, KFactor};
+use crate::develop::unfold::allowance::KFactor;
 use crate::geom::polygon::corner_near;
 use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
-use crate::io::json::NeutralRecord;
 use crate::io::model::ReadOptions;
 use crate::io::result_folder::{ResultFolder, ResultPart};
 use crate::io::step::read as step;
+use fibre::{fibre, moved, neutral, on_fibre, thickness, SheetOfPanels};
 use std::collections::HashMap;
 use strips::{panel_of, plain};
 
@@ -29,9 +31,10 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     // What ends in a corner ends in it to the bit: rulings that meet there would cross beside it where a drawing is rounded.
     let settled = |ends: &[Vec2; 2]| ends.map(|q| corner_near(&joints, q, ROUNDED));
     let numbers = part.exact.as_ref().filter(|_| exact);
+    let fibre = fibre(part);
     let line = |(k, (ends, row)): (usize, &([_; 2], crate::io::result_folder::TableLine))| BendLine {
         ends: settled(ends),
-        bend: numbers.map_or(row.bend, |n| n[k]),
+        bend: on_fibre(part, k, numbers.map_or(row.bend, |n| n[k]), fibre.as_ref()),
     };
     let bend = |b: &crate::io::result_folder::TableBend| SheetRow {
         lines: b.lines.clone(),
@@ -44,31 +47,18 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     };
     // Sheet metal has its lines from edge to edge, panels a little less.
     let inset = if part.bends.is_empty() { part.record.contour_error.unwrap_or(0.0) } else { 0.0 };
-    let body = part.record.neutral.as_ref().filter(|n| n.side.is_none());
     FlatPart {
-        fibre: body.and_then(|n| Some(Fibre { k: n.k.factor()?, thickness: greatest(n), above: 0.0 })),
         loops: part.contours.iter().map(|c| polygon(c, size)).collect(),
         lines: part.lines.iter().enumerate().map(line).collect(),
         bends: part.bends.iter().map(bend).collect(),
         extents: part.extents.iter().map(settled).collect(),
         inset,
-        thickness: body.map_or(0.0, greatest),
+        thickness: thickness(part),
+        fibre,
         printed: part.printed,
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
         joints,
     }
-}
-
-/// Greatest thickness (mm) of a sheet.
-fn greatest(sheet: &NeutralRecord) -> f64 {
-    sheet.thickness.iter().copied().fold(0.0, f64::max)
-}
-
-/// How far (mm) a part that was bent back may lie from its panels where these were given a sheet: as its neutral fibre, which is drawn,
-/// or as its outer side.
-pub(crate) fn beside_panels(part: &ResultPart) -> f64 {
-    let given = part.record.neutral.as_ref().filter(|n| n.side.is_some());
-    given.map_or_else(|| part.record.neutral_offset.unwrap_or(0.0).abs(), greatest)
 }
 
 /// Share of their extent within which lines of one bend are one line: half of what a fold is off one that is drawn as a curve.
@@ -199,6 +189,8 @@ pub(crate) fn atlases(
             let own = own?;
             match folder.report.job.as_str() {
                 "approximate" | "fit" => chain(&own),
+                // Laid flat through a panel, and moved.
+                "unroll" if moved(part).is_some() => chain(&own),
                 // One after the other; a pipe is cut open where the chain begins.
                 "cones" => chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), (vec![0.0; own.len()], None))),
                 _ => {
@@ -215,21 +207,3 @@ pub(crate) fn atlases(
     }
     Ok(found)
 }
-
-/// Thickness (mm) at every panel of a part, zero for surfaces, and the side of the sheet that the panels are where they were given one.
-type SheetOfPanels = (Vec<f64>, Option<SheetSide>);
-
-/// K-factor and sheet of a part of so many panels.
-fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, SheetOfPanels), String> {
-    let Some(neutral) = &part.record.neutral else {
-        let silent = part.bends.iter().any(|b| b.k > 0.0);
-        let told = || (KFactor::default(), (vec![0.0; panels], None));
-        return if silent { Err(UNKNOWN_NEUTRAL.into()) } else { Ok(told()) };
-    };
-    let k = neutral.k.factor().filter(|_| neutral.thickness.len() == panels).ok_or(UNKNOWN_NEUTRAL)?;
-    let side = neutral.sheet_side().map_err(|_| UNKNOWN_NEUTRAL)?;
-    Ok((k, (neutral.thickness.clone(), side)))
-}
-
-/// What is the matter with reports that do not say what was drawn.
-const UNKNOWN_NEUTRAL: &str = "report.json does not say where the neutral fibre of its sheet lies; lay it flat anew";

@@ -39,7 +39,7 @@ pub struct PartAnswer {
     pub printed_proven: Option<f64>,
     /// Distance of the panels' corners from the outline drawn, mm.
     pub alignment: f64,
-    /// How far it may lie from panels that were given a sheet, mm: as the neutral fibre, which is drawn, or as the outer side.
+    /// How far the neutral fibre, which is drawn, lies at most from panels that were given a sheet, mm; 0 for others.
     pub beside: f64,
 }
 

@@ -49,9 +49,10 @@ pub struct FlatPart {
     pub extents: Vec<[Vec2; 2]>,
     /// By how much bend lines were shortened at both ends, mm.
     pub inset: f64,
-    /// Where the neutral fibre of a body of sheet lies, which is drawn; `None` for surfaces and where nothing is said.
+    /// Where the neutral fibre, which is drawn, lies below the faces of a body of sheet or surfaces that were given one; `None` for surfaces
+    /// that are drawn themselves and where nothing is said.
     pub fibre: Option<Fibre>,
-    /// Thickness (mm) of a body of sheet, of which the neutral fibre is drawn; 0 for surfaces and where nothing is said.
+    /// Thickness (mm) of a sheet whose neutral fibre was unfolded; 0 for others and where nothing is said.
     pub thickness: f64,
     /// The last digit of lengths in the bend table, mm.
     pub printed: f64,

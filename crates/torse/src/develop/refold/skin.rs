@@ -1,4 +1,5 @@
-//! From the neutral fibre of a sheet, which is drawn, to its skin, which panels show.
+//! From the neutral fibre of a sheet, which is drawn, to its skin, which panels show: the outer side of a body, or the surface that was
+//! given the sheet, wherever in that it lies.
 //!
 //! *Method* (docs/algorithms/refold.md, "Sheet metal"). Both are offsets of each other: they have the same directions of rulings and
 //! the same tangent planes. Over a turn dκ towards the eye the skin goes `δ dκ` less far across the rulings than the neutral

@@ -110,7 +110,9 @@ pub(super) fn round(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<O
     }
     let breadth = if row.allowance.is_finite() { row.allowance.max(0.0) / n as f64 } else { 0.0 };
     let beyond = 0.5 * (-row.allowance).max(0.0);
-    let skin = row.inside_radius + if sign < 0.0 { thickness } else { 0.0 };
+    // The surface that panels show may lie below the outer side.
+    let above = part.fibre.as_ref().map_or(0.0, |f| f.above);
+    let skin = row.inside_radius + if sign < 0.0 { thickness - above } else { above };
     // Edges of the outline may lie on the edges of a zone, which are only known as far as the table is printed.
     let hair = part.printed.min(0.25 * breadth);
     let stretch = if breadth > 0.0 && skin.is_finite() && thickness > 0.0 {
