@@ -64,7 +64,7 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     let made = answer.files().expect("files");
     assert!(made.iter().any(|f| f.0 == "refolded.glb" && f.1.starts_with(b"glTF")));
     let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
-    assert_eq!(json["schema"], "torse-refold/3");
+    assert_eq!(json["schema"], "torse-refold/4");
 }
 
 /// A face that `unroll` covers with panels has bend lines, but no bends of sheet and so no table of these.

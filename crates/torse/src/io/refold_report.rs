@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "torse-refold/3";
+pub const SCHEMA: &str = "torse-refold/4";
 
 /// The whole answer. Lengths in mm, angles in degrees. What is called a bound is proven, what is
 /// called an estimate is measured at samples.
