@@ -1,17 +1,23 @@
 //! Flat patterns of parts that are chains of strips or of cones, and the file of exact cones: what is as it should be is
 //! proven, what is off by little is seen.
 
+use std::collections::HashMap;
 use torse::answer::presentation::present;
 use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::certify::claim::{Evidence, What};
 use torse::certify::flat::{cone_parts, strip_parts, FlatCertificate};
+use torse::develop::bends::Facets;
+use torse::develop::shop::thickness::{Sheet, SheetSide};
+use torse::develop::unfold::allowance::KFactor;
+use torse::develop::unfold::bends::BendKind;
 use torse::geom::{Vec2, Vec3};
 use torse::io::bundle::{self, File};
 use torse::io::curves::CurveOptions;
 use torse::io::words;
 use torse::patchwork::pattern::Pattern;
 use torse::pipeline::deliver;
+use torse::pipeline::refold::refold;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::strip::Strip;
@@ -108,6 +114,46 @@ fn a_duct_from_square_to_round_is_proven_from_its_file() {
     assert_eq!((model.faces.len(), flat.status()), (8, Status::Certified), "{:?}", flat.claims());
     let laid: f64 = flat.patterns().iter().map(|p| p.area).sum();
     assert!((laid - area).abs() < 1e-5 * area, "{laid} {area}");
+}
+
+/// The same duct for a press brake: every fan has as many press lines as are asked for, by number, angle and height of the arcs.
+#[test]
+fn fans_of_a_duct_get_the_press_lines_that_are_asked_for() {
+    let files = written(&duct());
+    let step = files.iter().find(|f| f.0 == "panels.step").expect("panels");
+    let model = torse::read(&step.1).expect("a model");
+    let lines = |facets: Facets| -> Vec<usize> {
+        let options = UnrollOptions { surfaces: true, facets: Some(facets), ..UnrollOptions::new(TOLERANCE) };
+        let flat = torse::unroll(&model, &options, &Control::default()).expect("parts");
+        assert_eq!(flat.status(), Status::Certified, "{facets:?} {:?}", flat.claims());
+        let bends = flat.sheets.iter().flat_map(|s| &s.bends);
+        bends.filter(|b| b.kind == BendKind::Rolled).map(|b| b.lines.len()).collect()
+    };
+    assert_eq!(lines(Facets::Count(12)), [12; 4]);
+    let [coarse, fine] = [10f64, 5.0].map(|degrees| lines(Facets::Turn(degrees.to_radians())));
+    assert!(coarse.len() == 4 && coarse.iter().zip(&fine).all(|(c, f)| *f >= 2 * c - 1), "{coarse:?} {fine:?}");
+    // Arcs a quarter as high over the facets take twice as many.
+    let [coarse, fine] = [2.0, 0.5].map(|mm| lines(Facets::Chord(mm)));
+    assert!(coarse.iter().zip(&fine).all(|(c, f)| *f > c + c / 2), "{coarse:?} {fine:?}");
+}
+
+/// A conical skin with cut-outs inside a sheet: laid flat by its neutral fibre, written, read, and bent back.
+#[test]
+fn a_skin_with_cut_outs_comes_back_from_its_files() {
+    let model = torse::read(include_bytes!("../../../data/cone_holes.step")).expect("a model");
+    let sheet = Some(Sheet { thickness: 1.6, side: SheetSide::Inside, k: KFactor::Ansi(0.42) });
+    let options = UnrollOptions { surfaces: true, sheet, ..UnrollOptions::new(TOLERANCE) };
+    let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a part");
+    assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims());
+    let own: f64 = flat.patterns().iter().map(|p| p.area_in_space).sum();
+    let drawn: f64 = flat.patterns().iter().map(|p| p.area).sum();
+    assert!((drawn / own - 1.0).abs() > 1e-4, "the fibre is not the surface: {own} {drawn}");
+    let files: HashMap<String, Vec<u8>> =
+        torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let report = refold(&|name| files.get(name).cloned(), &Control::default()).expect("an answer").report();
+    assert!(report.left.is_empty() && report.parts.len() == 1, "{:?}", report.left);
+    let part = &report.parts[0];
+    assert!(part.beside > 0.5 && part.distance_estimate < 2.0 * TOLERANCE, "{part:?}");
 }
 
 /// A free edge of three metres that bends with radii from 5 m to 0.2 m: few arcs, proven near it.

@@ -23,10 +23,10 @@ pub fn draw(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> 
     let rows = sweep(&read(BOWL)?.faces, &[], &TOLERANCES, &options, &Control::default())?;
     let mut out = std::io::stdout().lock();
     for r in &rows {
-        let limit = r.limit.map_or("-".into(), |l| format!("{l:.2}"));
+        let estimate = r.theory_estimate.map_or("-".into(), |l| format!("{l:.2}"));
         writeln!(
             out,
-            "{:>6} mm {:>4} panels, limit {limit:>6}, certified: {}, {:.1} s",
+            "{:>6} mm {:>4} panels, estimate of theory {estimate:>6}, certified: {}, {:.1} s",
             r.tolerance, r.panels, r.certified, r.seconds
         )?;
     }
@@ -37,7 +37,11 @@ pub fn draw(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> 
         y: "panels".into(),
         series: vec![
             series("panels, certified", true, rows.iter().map(|r| [r.tolerance, r.panels as f64]).collect()),
-            series("estimate of theory", false, rows.iter().filter_map(|r| Some([r.tolerance, r.limit?])).collect()),
+            series(
+                "estimate of theory",
+                false,
+                rows.iter().filter_map(|r| Some([r.tolerance, r.theory_estimate?])).collect(),
+            ),
             series("published for a bowl of this kind", true, PUBLISHED.to_vec()),
         ],
     })

@@ -10,7 +10,7 @@ pub struct SweepRow {
     /// Length of all seams (each counted once, mean of its two sides), mm.
     pub seam_length: f64,
     /// Estimate of the fewest bands, where a strip potential covers every face; covers can have fewer.
-    pub limit: Option<f64>,
+    pub theory_estimate: Option<f64>,
     /// Whether the result is certified.
     pub certified: bool,
     /// Wall time, seconds.

@@ -292,14 +292,14 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, index): (bool, usize
     // Clear of the lines of bends, too, where there is room.
     let bent = Labels::new(piece.extents.iter().chain(&piece.rulings).copied().collect());
     for (beside, label) in &written.bends {
-        let of = |l: &[Vec2; 2]| places_beside(label, &line(l), height).collect::<Vec<_>>();
+        let of = |l: &[Vec2; 2]| places_beside(label, &line(l), height, APART).collect::<Vec<_>>();
         let places: Vec<TextPlace> = beside.iter().flat_map(of).collect();
         let clear = places.iter().copied().filter(|p| bent.is_clear(label, p));
         _ = labels.put(label, clear) || labels.put(label, places.iter().copied());
     }
     let named = pattern.sections.iter().chain(&pattern.curves).zip(&drawn);
     for (k, (mark, line)) in named.enumerate().filter(|(_, (mark, _))| !mark.label.is_empty()) {
-        let stands = labels.put(&mark.label, places_beside(&mark.label, line, height));
+        let stands = labels.put(&mark.label, places_beside(&mark.label, line, height, BESIDE));
         // What is left of a plane in a corner needs no name.
         if !stands && k >= pattern.sections.len() && is_small(line, &mark.label, height) {
             labels.put(&mark.label, places_around(&mark.label, line, height));
@@ -313,9 +313,11 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, index): (bool, usize
 const ALONG: [f64; 7] = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
 /// Distance of a label's middle from its line, against its height.
 const BESIDE: f64 = 0.9;
+/// The same where the box about the label is to be clear of the line.
+const APART: f64 = 1.05;
 
-/// Where the label of a line may stand: along it, on either side, smaller.
-fn places_beside<'a>(label: &'a str, line: &'a [Vec2], height: f64) -> impl Iterator<Item = TextPlace> + 'a {
+/// Where the label of a line may stand: along it, on either side so many heights `away`, smaller.
+fn places_beside<'a>(label: &'a str, line: &'a [Vec2], height: f64, away: f64) -> impl Iterator<Item = TextPlace> + 'a {
     let lengths: Vec<f64> = line.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
     let total: f64 = lengths.iter().sum();
     let at = move |share: f64| {
@@ -335,7 +337,7 @@ fn places_beside<'a>(label: &'a str, line: &'a [Vec2], height: f64) -> impl Iter
         let (p, way) = at(x);
         let along = upright(way);
         let up = Vec2::new(-along.y, along.x);
-        TextPlace { middle: p + up * (side * BESIDE * s * height), along, height: s * height }
+        TextPlace { middle: p + up * (side * away * s * height), along, height: s * height }
     })
 }
 
@@ -484,6 +486,23 @@ mod tests {
         // Beside the cross, not on it, and on the part.
         assert!(!own.is_empty() && own.iter().all(|p| (p - at).amax() > 0.5 && (p - at).norm() < 25.0), "{own:?}");
         assert!(own.iter().all(|p| p.x > 0.0 && p.x < 100.0 && p.y > 0.0 && p.y < 100.0));
+    }
+
+    #[test]
+    fn labels_of_bends_keep_off_their_lines() {
+        let [from, middle, to] = [40.0, 42.0, 44.0].map(|x| [Vec2::new(x, 0.0), Vec2::new(x, 100.0)]);
+        let pattern = Pattern { rulings: vec![middle], extents: vec![from, to], ..square("A") };
+        let strokes = |bends| {
+            let words = vec![PartWords { bends, ..PartWords::default() }];
+            let options = DrawingOptions { words, ..DrawingOptions::default() };
+            drawing(std::slice::from_ref(&pattern), &[], &[], &options).pieces.remove(0).strokes().collect::<Vec<_>>()
+        };
+        let bare = strokes(Vec::new());
+        let named = strokes(vec![(vec![from, to, middle], "1 UP 90 R3".into())]);
+        let own: Vec<Vec2> = named.iter().filter(|s| !bare.contains(s)).flatten().copied().collect();
+        // On one side of all of them, and not far off.
+        assert!(own.len() > 20 && own.iter().all(|p| p.x > 20.0 && p.x < 64.0), "{own:?}");
+        assert!(own.iter().all(|p| p.x < 40.0) || own.iter().all(|p| p.x > 44.0), "{own:?}");
     }
 
     #[test]

@@ -30,7 +30,7 @@ struct Row {
     tolerance: f64,
     panels: usize,
     seam_length: f64,
-    theoretical_limit: Option<f64>,
+    theory_estimate: Option<f64>,
     status: &'static str,
     seconds: f64,
 }
@@ -44,11 +44,11 @@ pub fn files(name: &str, rows: &[SweepRow], picture: Option<&Image>) -> Result<V
         tolerance: r.tolerance,
         panels: r.panels,
         seam_length: r.seam_length,
-        theoretical_limit: r.limit,
+        theory_estimate: r.theory_estimate,
         status: if r.certified { "certified" } else { "uncertified" },
         seconds: r.seconds,
     });
-    let table = Table { schema: "torse.sweep/1", name, unit: "mm", rows: rows.collect() };
+    let table = Table { schema: "torse.sweep/2", name, unit: "mm", rows: rows.collect() };
     let mut out = vec![("sweep.json".to_owned(), serde_json::to_vec_pretty(&table)?)];
     if let Some(image) = picture {
         out.push(("sweep.png".to_owned(), png::write(image)?));

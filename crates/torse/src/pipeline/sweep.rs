@@ -21,9 +21,9 @@ const CHORDS: usize = 4;
 /// Runs the main job once for every tolerance (mm), finest last so that early rows come soon. `skipped` are the faces
 /// that were left out before.
 ///
-/// *Limit*: `Σ W/(4√ε)` over the faces, with W the range of the best strip potential found, at least one panel per face
-/// (approximation specification B2). It is a limit for surfaces of one curvature sign; where curvature is mixed there is
-/// none. *Not guaranteed*: that no cover needs fewer; W is a numerical optimum.
+/// *Estimate of theory*: `Σ W/(4√ε)` over the faces, with W the range of the best strip potential found, at least one panel per face
+/// (approximation specification B2), for surfaces of one curvature sign; where curvature is mixed there is
+/// none. *Not guaranteed*: that no cover needs fewer; some do, and W is a numerical optimum.
 ///
 /// # Errors
 /// As [`of_faces`], for the first tolerance that cannot be used.
@@ -53,7 +53,7 @@ pub fn sweep(
             tolerance,
             panels: answer.patchwork.panels.len(),
             seam_length: seam_length(&answer),
-            limit: ranges.iter().map(bands).sum(),
+            theory_estimate: ranges.iter().map(bands).sum(),
             certified: answer.status() == Status::Certified,
             seconds: answer.seconds,
         });
@@ -77,7 +77,7 @@ pub(crate) fn seam_length(answer: &Answer) -> f64 {
     0.5 * seams.map(length).fold(0.0, |sum, l| sum + l)
 }
 
-/// Panels, seam length and limit over the tolerance; `None` without rows.
+/// Panels, seam length and estimate of theory over the tolerance; `None` without rows.
 pub fn picture(title: &str, rows: &[SweepRow]) -> Option<Image> {
     let series = |name: &str, measured: bool, value: &dyn Fn(&SweepRow) -> Option<f64>| Series {
         name: name.to_owned(),
@@ -90,7 +90,7 @@ pub fn picture(title: &str, rows: &[SweepRow]) -> Option<Image> {
         y: "panels; seam length, m".to_owned(),
         series: vec![
             series("panels", true, &|r| Some(r.panels as f64)),
-            series("estimate of theory", false, &|r| r.limit),
+            series("estimate of theory", false, &|r| r.theory_estimate),
             series("seam length, m", true, &|r| Some(r.seam_length / 1000.0)),
         ],
     })
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn finer_tolerances_take_more_panels_and_never_fewer_than_theory() {
+    fn finer_tolerances_take_more_panels_and_hardly_fewer_than_theory_estimates() {
         let options = Options { input: "bowl".into(), smooth_angle: 0.0, meet: false, ..Options::new(1.0) };
         let rows = sweep(&[bowl()], &[], &[0.4, 1.6], &options, &Control::default()).expect("rows");
         assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);
@@ -123,9 +123,9 @@ mod tests {
         assert!(rows[1].panels > rows[0].panels && rows[1].seam_length > rows[0].seam_length);
         for r in &rows {
             // Straight bands in the shallow bowl: W = 100 √(1/200); slopes of one half make it a little less.
-            let limit = r.limit.expect("a limit");
-            assert!(limit <= (100.0 * (1.0f64 / 200.0).sqrt() / (4.0 * r.tolerance.sqrt())).max(1.0) * 1.02);
-            assert!(r.panels as f64 >= 0.9 * limit);
+            let estimate = r.theory_estimate.expect("an estimate");
+            assert!(estimate <= (100.0 * (1.0f64 / 200.0).sqrt() / (4.0 * r.tolerance.sqrt())).max(1.0) * 1.02);
+            assert!(r.panels as f64 >= 0.9 * estimate);
         }
         assert!(picture("bowl", &rows).is_some());
     }
