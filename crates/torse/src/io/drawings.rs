@@ -82,6 +82,15 @@ pub(crate) fn turned_over(bytes: &[u8]) -> Option<String> {
     found
 }
 
+/// A stretch behind what was left of the one before.
+fn behind<'a>(rest: &'a mut Vec<u8>, bytes: &'a [u8]) -> &'a [u8] {
+    if rest.is_empty() {
+        return bytes;
+    }
+    rest.extend_from_slice(bytes);
+    rest
+}
+
 /// A group code and its value.
 type Group<'a> = (u32, &'a str);
 /// What is done with the groups of an entity.
@@ -103,13 +112,8 @@ struct Entities {
 impl Entities {
     /// Hands over the groups, codes and values, of each entity that is whole now; of the last stretch all.
     fn read(&mut self, bytes: &[u8], is_last: bool, take: TakeEntity) -> Result<(), String> {
-        let mut joined = std::mem::take(&mut self.rest);
-        let all = if joined.is_empty() {
-            bytes
-        } else {
-            joined.extend_from_slice(bytes);
-            &joined
-        };
+        let mut rest = std::mem::take(&mut self.rest);
+        let all = behind(&mut rest, bytes);
         let whole = if is_last { all.len() } else { all.iter().rposition(|&b| b == b'\n').map_or(0, |k| k + 1) };
         let text = std::str::from_utf8(&all[..whole]).map_err(|e| e.to_string())?;
         let mut groups: Vec<Group> = Vec::new();
@@ -331,13 +335,8 @@ impl Svg {
         if self.fault.is_some() {
             return;
         }
-        let mut joined = std::mem::take(&mut self.rest);
-        let all = if joined.is_empty() {
-            bytes
-        } else {
-            joined.extend_from_slice(bytes);
-            &joined
-        };
+        let mut rest = std::mem::take(&mut self.rest);
+        let all = behind(&mut rest, bytes);
         // A tag is whole where the next one begins.
         let whole = if is_last { all.len() } else { all.iter().rposition(|&b| b == b'<').unwrap_or(0) };
         self.fault = match std::str::from_utf8(&all[..whole]) {

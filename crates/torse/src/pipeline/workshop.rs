@@ -65,7 +65,10 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         // Rolled faces of bodies are kinked where they are laid flat.
         let kinked = options.kinked && answer.job != Job::Unroll;
         if !known && (!planes.is_empty() || (curved && (kinked || moves))) {
-            let list = if drawn { &mut told.places } else { &mut told.unknown };
+            // Bodies of sheet have their own fibre, and surfaces without a thickness none.
+            let is_body = answer.sheets.get(pattern.panel).is_some_and(|s| s.thickness > 0.0);
+            let has_all = drawn || is_body || (answer.job == Job::Unroll && !moves);
+            let list = if has_all { &mut told.places } else { &mut told.unknown };
             list.push(pattern.name.clone());
         }
         if drawn && curved {

@@ -30,7 +30,10 @@ pub(super) fn words(note: &ShopNote) -> String {
             factor(&sheet.k)
         ),
         ShopNote::NoPlaces { parts } => {
-            format!("Roll radii and sections are not known of parts of several faces: {}.", named(parts))
+            format!(
+                "Roll radii and sections are not known of parts of several faces or of one that closes on itself: {}.",
+                named(parts)
+            )
         }
         ShopNote::NotNeutral { parts } => format!(
             "Flat patterns are those of the panels, not of the neutral fibre, where cones end in a point or panels are drawn \
