@@ -37,7 +37,7 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
     let mut out = format!(
         "part,job,quantity,seen_from,thickness_{sign},length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
          bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored,quantity_turned_over,pierces,material,weight_kg,\
-         bend_radius_basis,bend_radius_bound_{sign},source,opposite_hand_of\n"
+         bend_radius_basis,bend_radius_bound_{sign},opposite_hand_of,source\n"
     );
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
     for pattern in patterns {
@@ -91,8 +91,8 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             part.and_then(|p| p.weight_kg).map_or_else(String::new, |kg| format!("{kg:.4}")),
             // Rounded down.
             bound.map_or_else(String::new, |mm| format!("{:.3}", (unit.of(mm) * 1e3).floor() / 1e3)),
-            part.map_or_else(String::new, |p| quoted(&p.source)),
             part.filter(|p| !p.opposite_hand_of.is_empty()).map_or_else(String::new, |p| quoted(&p.opposite_hand_of)),
+            part.map_or_else(String::new, |p| quoted(&p.source)),
         );
     }
     (!patterns.is_empty()).then(|| out.into_bytes())
@@ -155,7 +155,7 @@ mod tests {
         // Without bends a triangle turned over is the same sheet from behind.
         assert!(rows[0].contains(",mirrored,quantity_turned_over,pierces,material,weight_kg,"));
         assert!(rows[1].starts_with("\"A-01\",\"deck\",2,outside,3.000,"), "{}", rows[1]);
-        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500,,,\"\","), "{}", rows[1]);
+        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500,,,,\"\""), "{}", rows[1]);
         assert!(rows[2].starts_with("\"A-02\",\"deck\",0,") && rows[2].contains(",\"A-01\",no,0,1,"), "{}", rows[2]);
         assert!(rows[3].contains(",\"A-01\",yes,0,1,"), "{}", rows[3]);
         let total: usize = report.parts.iter().map(|p| p.quantity + p.quantity_turned_over).sum();
