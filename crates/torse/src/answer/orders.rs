@@ -74,7 +74,11 @@ fn lines(answer: &Answer, order: &PartOrder) -> Vec<String> {
     if !sheet.is_empty() {
         out.push(sheet.join(" "));
         let weight = order.weight_kg.map(|kg| format!("{} KG", short(kg, 3)));
-        let cut = format!("CUT {}", length(order.cut_length.round()));
+        // To a millimetre or a tenth of an inch: for the price, not for the cut.
+        let cut = match unit {
+            LengthUnit::Inch => format!("CUT {} IN", short(unit.of(order.cut_length), 1)),
+            LengthUnit::Millimetre => format!("CUT {} MM", short(order.cut_length, 0)),
+        };
         let pierces = format!("{} PIERCE{}", order.pierces, if order.pierces == 1 { "" } else { "S" });
         out.push(weight.into_iter().chain([cut, pierces]).collect::<Vec<_>>().join(", "));
     }
@@ -134,6 +138,8 @@ mod tests {
         let told = lines(&answer, &order);
         assert_eq!(told[1], "0.25 KG, CUT 1234 MM, 3 PIERCES");
         assert!(told[0] == "1.5 MM STEEL" && told.len() == 3, "{told:?}");
+        answer.cut.unit = LengthUnit::Inch;
+        assert_eq!(lines(&answer, &order)[..2], ["0.059 IN STEEL", "0.25 KG, CUT 48.6 IN, 3 PIERCES"]);
         let same = Some(SamePart { pattern: 0, mirrored: true });
         answer.patterns[0].name = "a-01".into();
         let order = PartOrder { same, quantity: Quantity::default(), ..PartOrder::default() };
