@@ -19,7 +19,7 @@ pub fn file_of(folder: &Path) -> Result<impl Fn(&str) -> Option<Vec<u8>> + Sync 
     Ok(move |name: &str| std::fs::read(folder.join(name)).ok())
 }
 
-/// Runs the job; `Ok(true)` means that no part was left out, and none is beyond the tolerance of the result.
+/// Runs the job; `Ok(true)` means that it is certified: no part was left out, and all are proven within the tolerance.
 pub fn run(arguments: &Refold) -> Result<bool, Failure> {
     let folder = &arguments.folder;
     let file = file_of(folder)?;
@@ -27,7 +27,7 @@ pub fn run(arguments: &Refold) -> Result<bool, Failure> {
     let terminal = Terminal::new(arguments.quiet, None)?;
     terminal.guard(Some(output.workspace().to_path_buf()));
     terminal.say("bending back");
-    let answer = refold(&file, terminal.control()).map_err(|e| {
+    let answer = refold(&file, arguments.tolerance.as_ref().map(|t| t.mm), terminal.control()).map_err(|e| {
         Failure::new(
             format!("{}: {e}", folder.display()),
             "give a folder as another command wrote it, with all its files",
@@ -47,5 +47,5 @@ pub fn run(arguments: &Refold) -> Result<bool, Failure> {
         let _ = write!(out, "{}", report.words());
         let _ = writeln!(out, "  written {}", made.display());
     }
-    Ok(report.is_within())
+    Ok(answer.status() == torse::Status::Certified)
 }

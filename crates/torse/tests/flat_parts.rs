@@ -151,7 +151,7 @@ fn a_skin_with_cut_outs_comes_back_from_its_files() {
     assert!(drawn > own * (1.0 + 1e-4), "the fibre lies outside the surface: {own} {drawn}");
     let files: HashMap<String, Vec<u8>> =
         torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let report = refold(&|name| files.get(name).cloned(), &Control::default()).expect("an answer").report();
+    let report = refold(&|name| files.get(name).cloned(), None, &Control::default()).expect("an answer").report();
     assert!(report.left.is_empty() && report.parts.len() == 1, "{:?}", report.left);
     let part = &report.parts[0];
     assert!(part.beside > 0.5 && part.distance_estimate < 2.0 * TOLERANCE, "{part:?}");

@@ -8,7 +8,6 @@ use torse::brep::support_surface::SupportSurface;
 use torse::geom::{Frame, Vec3};
 use torse::io::artwork::{read, Artwork};
 use torse::io::curves::CurveOptions;
-use torse::io::refold_report::RefoldReport;
 use torse::io::result_folder::FolderError;
 use torse::pipeline::approximate::of_faces;
 use torse::pipeline::map_artwork::{read_map, Carried, Item, MapError, PlacedShape, Shape, Side, Style, Words};
@@ -16,7 +15,7 @@ use torse::pipeline::refold::{refold, RefoldAnswer};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::rail::Rail;
-use torse::{Control, Loft};
+use torse::{Control, Loft, Status};
 
 type Files = HashMap<String, Vec<u8>>;
 
@@ -25,7 +24,7 @@ fn cone() -> &'static (Files, RefoldAnswer) {
     static CONE: OnceLock<(Files, RefoldAnswer)> = OnceLock::new();
     CONE.get_or_init(|| {
         let files = cone_files();
-        let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+        let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
         (files, answer)
     })
 }
@@ -58,13 +57,20 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     assert!(p.distance_estimate <= p.matched_estimate && p.matched_estimate < 0.05, "{p:?}");
     let (bound, printed) = (p.distance_bound.expect("proven"), p.printed_bound.expect("proven"));
     assert!(p.distance_estimate <= bound && bound < 0.2 && printed < 0.3, "{p:?}");
-    // What is measured to be beyond the tolerance is no success.
-    let within = |tolerance: f64| RefoldReport { tolerance, ..report.clone() }.is_within();
-    assert_eq!([0.99, 1.01].map(|share| within(share * p.distance_estimate)), [false, true]);
+    // Only what is proven within the tolerance certifies; what is measured does not.
+    let within = |tolerance: f64| RefoldAnswer { tolerance, ..answer.clone() };
+    let certified = |tolerance: f64| within(tolerance).status() == Status::Certified;
+    assert_eq!([1.01 * p.distance_estimate, 0.99 * bound, 1.01 * bound].map(certified), [false, false, true]);
+    let told = [0.99, 1.01].map(|share| within(share * bound).report());
+    assert_eq!(
+        told.each_ref().map(|r| (r.status.as_str(), r.parts[0].certified)),
+        [("uncertified", false), ("certified", true)]
+    );
+    assert!(told[0].words().starts_with("NOT CERTIFIED: 1 of 1") && told[1].words().starts_with("certified: 1 of 1"));
     let made = answer.files().expect("files");
     assert!(made.iter().any(|f| f.0 == "refolded.glb" && f.1.starts_with(b"glTF")));
     let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
-    assert_eq!(json["schema"], "torse-refold/4");
+    assert_eq!(json["schema"], "torse-refold/5");
 }
 
 /// A face that `unroll` covers with panels has bend lines, but no bends of sheet and so no table of these.
@@ -89,7 +95,7 @@ fn cones_that_go_all_round_are_proven() {
         let options = torse::Approximate::new(0.5);
         let mut answer = of_faces(vec![face], Vec::new(), &options, &Control::default()).expect("a panel");
         let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-        let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+        let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
         let p = &answer.report().parts[0];
         assert!(p.matched_estimate < 0.02, "{p:?}");
         assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 0.1), "{p:?}");
@@ -108,7 +114,7 @@ fn round_parts_with_holes_are_proven_near_their_tolerance() {
         let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(TOLERANCE) };
         let mut answer = torse::unroll(&model, &options, &Control::default()).expect("flat parts");
         let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-        let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
+        let report = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer").report();
         let p = &report.parts[0];
         assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 1.5 * TOLERANCE), "{p:?}");
     }
@@ -121,7 +127,7 @@ fn all_quadrilaterals_of_a_strip_are_proven() {
         torse::io::quads::read("hood.csv", include_bytes!("../../../data/hood_strip.csv"), None).expect("a strip");
     let mut answer = torse::planarise(&strip, &torse::Planarise::new(0.01), &Control::default()).expect("plane pieces");
     let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     let report = answer.report();
     assert_eq!(report.parts[0].panels.len(), 10, "{report:?}");
     assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
@@ -156,11 +162,11 @@ fn fans_between_planes_are_proven() {
     // The hull has fans between triangles, whose rulings leave the part and come back to it.
     let mut hull = torse::hull(&[square, round], &torse::Hull::new(0.05), &Control::default()).expect("a hull");
     let wrapped: Files = torse::files(&mut hull, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let report = refold(&|n| wrapped.get(n).cloned(), &Control::default()).expect("an answer").report();
+    let report = refold(&|n| wrapped.get(n).cloned(), None, &Control::default()).expect("an answer").report();
     let proven = report.parts.iter().flat_map(|p| &p.panels).filter(|p| p.distance_bound.is_some_and(|b| b < 0.05));
     assert_eq!(proven.count(), report.parts.iter().map(|p| p.panels.len()).sum::<usize>(), "{report:?}");
     for (files, bound) in [(files, 0.02), (rounded(&unrolled), 0.3), (unrolled, 0.3)] {
-        let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
+        let report = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer").report();
         assert!(report.left.is_empty(), "{report:?}");
         let panels: Vec<_> = report.parts.iter().flat_map(|p| &p.panels).collect();
         assert_eq!(panels.len(), 8, "{report:?}");
@@ -190,7 +196,7 @@ fn a_sharp_bend_beside_a_rolled_face_is_proven() {
         let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01) };
         let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a flat part");
         let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-        let report = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer").report();
+        let report = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer").report();
         assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
         let panels = &report.parts[0].panels;
         assert_eq!(panels.len(), 2, "{report:?}");
@@ -206,7 +212,7 @@ fn chains_of_cones_are_bent_back_and_carry_points() {
     let mut answer = torse::cones(&model.faces, &model.skipped, &options, &Control::default()).expect("cones");
     let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
     let file = |n: &str| files.get(n).cloned();
-    let back = refold(&file, &Control::default()).expect("an answer");
+    let back = refold(&file, None, &Control::default()).expect("an answer");
     let report = back.report();
     assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
     assert!(report.parts[0].matched_estimate < 0.05, "{report:?}");
@@ -248,7 +254,7 @@ fn panels_are_proven_one_by_one() {
     let model = torse::read(include_bytes!("../../../data/bracket.step")).expect("a bracket");
     let mut answer = torse::unroll(&model, &torse::UnrollOptions::new(0.05), &Control::default()).expect("a flat part");
     let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     let report = answer.report();
     let part = &report.parts[0];
     assert_eq!(part.panels.len(), 5, "{part:?}");
@@ -282,7 +288,7 @@ fn a_table_that_bends_otherwise_is_found_out() {
         })
         .collect();
     files.insert("bends.csv".into(), (rows.join("\n") + "\n").into_bytes());
-    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     assert!(matched(&answer) > right + 1.0);
     // What is proven says so too.
     assert!(answer.report().parts.iter().all(|p| p.distance_bound.is_none_or(|b| b > 1.0)));
@@ -293,22 +299,22 @@ fn damaged_files_are_named_and_drawings_replace_each_other() {
     let whole = cone().0.clone();
     let mut files = whole.clone();
     files.remove("bends.csv");
-    let e = refold(&|n| files.get(n).cloned(), &Control::default()).expect_err("no table").to_string();
+    let e = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect_err("no table").to_string();
     assert!(e.contains("bends.csv is missing"), "{e}");
     let mut files = whole.clone();
     let cut = files["patterns.dxf"].len() / 2;
     files.get_mut("patterns.dxf").expect("a drawing").truncate(cut);
-    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     assert!(answer.notes.iter().any(|n| n.contains("patterns.dxf is damaged")), "{:?}", answer.notes);
     assert!(answer.report().parts[0].matched_estimate < 0.05);
     files.remove("patterns.svg");
     assert!(matches!(
-        refold(&|n| files.get(n).cloned(), &Control::default()),
+        refold(&|n| files.get(n).cloned(), None, &Control::default()),
         Err(FolderError::File { file: "patterns.dxf", .. })
     ));
     let mut files = whole;
     files.remove("panels.step");
-    let answer = refold(&|n| files.get(n).cloned(), &Control::default()).expect("an answer");
+    let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     assert!(answer.report().left[0][1].contains("panels.step is missing"));
 }
 

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   torse refold hull-panels --out hull-refolded
+  torse refold pipe --tolerance 0.5mm --out pipe-refolded
 
 Reads only what another command wrote into the folder: report.json, patterns.dxf (or patterns.svg), bends.csv, bend_table.csv
 and panels.step. Bends every flat part back from its drawing and its bend tables and measures how far it is from its panels
@@ -16,7 +17,8 @@ that can be had.
 
 Written into the output folder: refold.json, refolded.glb.
 
-Exit status: 0 all parts bent back and compared, 2 bad input or usage, 3 some parts left out.")]
+Exit status: 0 all parts bent back and proven to lie within the tolerance, 2 bad input or usage, 3 some parts
+left out, not proven or beyond it.")]
 pub struct Refold {
     /// Folder with the result of another command
     #[arg(value_name = "DIR")]
@@ -25,6 +27,10 @@ pub struct Refold {
     /// Folder to create for the results
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
+
+    /// Distance within which every part is to lie from its panels; default: the tolerance of the result
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Option<Length>,
 
     /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]

@@ -4,6 +4,7 @@ use super::marks::Marks;
 use super::orders::{self, PartOrder};
 use super::shapes::{shapes, Shape};
 use super::{Answer, Stage};
+use crate::certify::claim::Claim;
 use crate::develop::layout::layout;
 use crate::draw::drawing::{drawing, Drawing, DrawingOptions};
 use crate::draw::flat::{self, FlatPiece};
@@ -64,6 +65,7 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let panels = patchwork.panels.iter().enumerate();
     scene.panels = parallel::map(panels, |(k, panel)| shape(answer, k, panel, marks.panels[k]));
     scene.guides = answer.guides.iter().map(|g| g.points.clone()).collect();
+    scene.witnesses = witnesses(answer);
     let meshes: Vec<&Mesh> = scene.panels.iter().map(|p| &p.mesh).collect();
     scene.joints = joints(&meshes, apart(answer));
     scene.curvature = [
@@ -104,6 +106,17 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
         marks,
         scene,
     }
+}
+
+/// Where claims that are broken are seen, each place once.
+fn witnesses(answer: &Answer) -> Vec<Vec3> {
+    let mut out: Vec<Vec3> = Vec::new();
+    for place in answer.claims.iter().filter(|c| c.is_broken()).filter_map(Claim::witness) {
+        if !out.contains(&place) {
+            out.push(place);
+        }
+    }
+    out
 }
 
 /// How far apart the borders of panels that meet may be, mm.

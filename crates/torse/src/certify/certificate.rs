@@ -155,14 +155,19 @@ impl Certificate {
         let whole = Subject::Whole;
         let mut out: Vec<Claim> = self.missing.iter().map(|m| Claim::objection(whole, m.clone())).collect();
         let deviation = UpperBound::shown(self.deviation_bound);
-        out.push(Claim::at_most(What::Deviation, whole, deviation).within(self.tolerance));
+        // Where the panel that keeps least of the tolerance shows it.
+        let worst =
+            self.panels.iter().filter(|p| !p.certified).max_by(|a, b| a.deviation_bound.total_cmp(&b.deviation_bound));
+        let seen = worst.and_then(|p| p.reason.as_ref()).and_then(Reason::place);
+        out.push(Claim::at_most(What::Deviation, whole, deviation).within(self.tolerance).seen_at(seen));
         let covered = LowerBound::shown(if self.covered { 1.0 } else { 0.0 });
         out.push(Claim::at_least(What::Coverage, whole, covered).not_below(1.0));
         out.push(Claim::at_most(What::SeamGap, whole, UpperBound::shown(self.seam_gap_bound)));
         for (k, p) in self.panels.iter().enumerate() {
             let panel = Subject::Panel(k);
             let bound = UpperBound::shown(p.deviation_bound);
-            out.push(Claim::at_most(What::Deviation, panel, bound).within(self.tolerance));
+            let seen = p.reason.as_ref().and_then(Reason::place);
+            out.push(Claim::at_most(What::Deviation, panel, bound).within(self.tolerance).seen_at(seen));
             let developable = [
                 Claim::at_most(What::Twist, panel, UpperBound::shown(p.developability_bound).degrees()),
                 Claim::at_least(What::RegressionClearance, panel, LowerBound::shown(p.regression_clearance)),

@@ -4,6 +4,7 @@
 //! Only this floor can make an [`UpperBound`] or a [`LowerBound`] that says more than "nothing is known", and a claim
 //! is [`Evidence::Proven`] only if it was made of one. Bounds can be joined and weakened anywhere, never strengthened.
 
+use crate::geom::Vec3;
 use crate::reason::Reason;
 
 /// A proven upper bound; infinite where nothing is known.
@@ -112,7 +113,7 @@ pub enum Subject {
     Part(usize),
 }
 
-/// What is claimed. The unit belongs to it; words are made by the writers.
+/// What is claimed. The unit belongs to it, see [`What::unit`]; words are made by the writers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum What {
     /// Two-sided distance between surface and panels, mm.
@@ -219,6 +220,8 @@ pub enum What {
     LengthError,
     /// Distance of what is drawn (outline, rulings, marks) from the flat image of a panel, mm.
     DrawingDistance,
+    /// Distance between a part bent back from its drawing and its panels, both ways and with the edges, mm.
+    RefoldDistance,
     /// Distance between what a written file holds and what was judged, mm.
     WrittenDistance,
     /// A number of things.
@@ -229,6 +232,88 @@ pub enum What {
     Objection,
     /// Something that stands against the status of the whole and says how much of it is certified.
     InPart,
+}
+
+/// The unit of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// Lengths.
+    Millimetre,
+    /// Angles that people read.
+    Degree,
+    /// Angles between pieces of a chain.
+    Radian,
+    /// Shares of curves.
+    Percent,
+    /// Areas.
+    SquareMetre,
+    /// Plain numbers.
+    One,
+}
+
+impl What {
+    /// The unit in which it is told.
+    pub fn unit(self) -> Unit {
+        match self {
+            Self::Twist
+            | Self::BendBefore
+            | Self::LargestBend
+            | Self::Kink
+            | Self::JoinAngle(_)
+            | Self::ElementAngle
+            | Self::Turn
+            | Self::EndRulingError => Unit::Degree,
+            Self::JointMismatch => Unit::Radian,
+            Self::UsedOf(_) => Unit::Percent,
+            Self::Area | Self::FlatArea => Unit::SquareMetre,
+            Self::NetShape(_)
+            | Self::RegressionMargin
+            | Self::Coverage
+            | Self::LengthError
+            | Self::Count(_)
+            | Self::LeftOut
+            | Self::Objection
+            | Self::InPart => Unit::One,
+            Self::Deviation
+            | Self::FromCurve(_)
+            | Self::FromSide(_)
+            | Self::FromCurves
+            | Self::PointDistance
+            | Self::MeanPointDistance
+            | Self::ElementDistance
+            | Self::BeyondRulings
+            | Self::EndDistance
+            | Self::CentreDistance
+            | Self::FaceDistance
+            | Self::RulingGap
+            | Self::FromTaken
+            | Self::CurvesMoved
+            | Self::TargetDistance(_)
+            | Self::JoinGap(_)
+            | Self::SeamGap
+            | Self::MapSurfaceDistance
+            | Self::JointGap
+            | Self::RegressionClearance
+            | Self::BendRadius
+            | Self::InsideRadius
+            | Self::DiagonalGap
+            | Self::PointsMoved
+            | Self::GivenDistance
+            | Self::Noise
+            | Self::OutlineDistance
+            | Self::DrawingDistance
+            | Self::WrittenDistance
+            | Self::RefoldDistance
+            | Self::EdgeDistance
+            | Self::BeyondOutline
+            | Self::FromMeasured
+            | Self::FoldGap(_)
+            | Self::TrimDistance
+            | Self::FirstRuling
+            | Self::LongestRuling
+            | Self::LastRuling => Unit::Millimetre,
+        }
+    }
 }
 
 /// What is counted.
@@ -296,7 +381,8 @@ pub enum Demand {
     AtLeast(f64),
 }
 
-/// A statement about a result: what, of what, how large, how it is known, and what was asked of it.
+/// A statement about a result: what, of what, how large, in which unit, how it is known, what was asked of it, and where it is
+/// seen.
 ///
 /// # Example
 /// ```
@@ -316,6 +402,7 @@ pub struct Claim {
     evidence: Evidence,
     demand: Demand,
     reason: Option<Reason>,
+    witness: Option<Vec3>,
     unknown: bool,
     lower: bool,
     in_parts: bool,
@@ -330,6 +417,7 @@ impl Claim {
             evidence,
             demand: Demand::None,
             reason: None,
+            witness: None,
             unknown: false,
             lower: false,
             in_parts: false,
@@ -396,6 +484,12 @@ impl Claim {
         self
     }
 
+    /// Says where it is seen, mm: a place where the value was found, or which resisted the proof.
+    pub fn seen_at(mut self, place: Option<Vec3>) -> Self {
+        self.witness = place;
+        self
+    }
+
     /// Says that what is claimed of the whole is no more than what is claimed of single parts: where it is broken, only those of
     /// which something of their own is broken are to blame.
     pub(crate) fn told_of_parts(mut self) -> Self {
@@ -416,12 +510,17 @@ impl Claim {
         self.what
     }
 
+    /// The unit of the value.
+    pub fn unit(&self) -> Unit {
+        self.what.unit()
+    }
+
     /// Of what it is claimed.
     pub fn subject(&self) -> Subject {
         self.subject
     }
 
-    /// The value, in the unit that belongs to [`What`]; an infinite upper bound says that nothing is known, an infinite
+    /// The value, in its [`unit`](Self::unit); an infinite upper bound says that nothing is known, an infinite
     /// lower bound that nothing is near.
     pub fn value(&self) -> f64 {
         self.value
@@ -455,6 +554,11 @@ impl Claim {
     /// What is the matter if the demand is not met, where more is known than the number.
     pub fn reason(&self) -> Option<&Reason> {
         self.reason.as_ref()
+    }
+
+    /// Where it is seen, mm, if a place is known: its own, else that of the reason.
+    pub fn witness(&self) -> Option<Vec3> {
+        self.witness.or_else(|| self.reason.as_ref().and_then(Reason::place))
     }
 
     /// Whether what was asked of it is not shown: the value is beyond the limit, is no number, or was only measured.
@@ -527,6 +631,18 @@ mod tests {
             Status::of(&[within(0.9, 1.0), Claim::count(Counted::Beyond, Subject::Whole, 0).within(0.0)]),
             Status::Certified
         );
+    }
+
+    #[test]
+    fn claims_tell_their_unit_and_where_they_are_seen() {
+        let (own, of_reason) = (Vec3::x(), Vec3::y());
+        let folds = crate::reason::PanelFault::Folds(of_reason);
+        let claim = within(1.1, 1.0).because(crate::reason::Reason::from(folds));
+        assert_eq!((claim.unit(), claim.witness()), (Unit::Millimetre, Some(of_reason)));
+        assert_eq!(claim.seen_at(Some(own)).witness(), Some(own));
+        assert_eq!(within(1.1, 1.0).witness(), None);
+        let turned = Claim::at_most(What::Twist, Subject::Whole, UpperBound::shown(0.1).degrees());
+        assert_eq!((turned.unit(), Claim::count(Counted::Panels, Subject::Whole, 3).unit()), (Unit::Degree, Unit::One));
     }
 
     #[test]

@@ -79,6 +79,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         }
     }
     borders(&mut drawing, &camera, scene, 2.6);
+    witnesses(&mut drawing, &camera, scene);
     if scene.panels.len() <= names::MOST_NAMES {
         names(&mut drawing, &camera, scene, top);
     }
@@ -418,6 +419,20 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
     for guide in &scene.guides {
         let points = guide.iter().map(|p| camera.project_towards_eye(p, 1.5 * lift)).collect();
         drawing.lines.push(Line { points, width: width + 1.4, colour: GUIDE, alpha: 1.0 });
+    }
+}
+
+/// Half the width of the cross at a place where something is wrong, px.
+const CROSS: f64 = 8.0;
+
+/// Crosses where what is asked is seen to be broken, over everything.
+fn witnesses(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
+    for p in scene.witnesses.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
+        let [x, y, _] = camera.project(p);
+        let arm = |dx: f64, dy: f64| [Vec2::new(x - dx, y - dy), Vec2::new(x + dx, y + dy)];
+        let arms = [arm(CROSS, CROSS), arm(CROSS, -CROSS)];
+        arms.iter().for_each(|a| drawing.stroke(a, 7.0, [1.0; 3], 1.0));
+        arms.iter().for_each(|a| drawing.stroke(a, 3.0, INK, 1.0));
     }
 }
 

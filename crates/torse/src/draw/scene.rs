@@ -62,6 +62,8 @@ pub struct Scene {
     pub surfaces: Vec<Mesh>,
     /// Given curves to be seen with the panels, as polylines.
     pub guides: Vec<Vec<Vec3>>,
+    /// Places where what is asked is seen to be broken, or resisted the proof.
+    pub witnesses: Vec<Vec3>,
     /// Gauss curvature at the vertices of every panel and of every surface, 1/mm²; nothing where it is not known.
     pub curvature: [Vec<Vec<f64>>; 2],
     /// Pieces of the lines along which panels meet, with the angle between both there, rad.

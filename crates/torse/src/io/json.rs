@@ -111,6 +111,9 @@ pub struct FigureRecord {
     pub bound: String,
     /// The limit that it has to keep, if there is one.
     pub limit: Option<f64>,
+    /// Where it is seen, mm; left out where no place is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
 }
 
 /// The value of a figure among several; `None` if there is none, or if it is infinite or unknown.
@@ -544,6 +547,7 @@ pub(crate) mod tests {
             basis: "proven".into(),
             bound: if matches!(what, What::RegressionClearance | What::BendRadius) { "lower" } else { "upper" }.into(),
             limit,
+            at: None,
         }
     }
 

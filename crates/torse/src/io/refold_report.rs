@@ -1,11 +1,15 @@
 //! The answer of `torse refold` for people and as data: `refold.json`.
 
-use super::words::numbers::{length, length_bound};
+use super::words::{
+    self,
+    numbers::{length, length_bound},
+};
+use crate::certify::claim::{Status, UpperBound};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "torse-refold/4";
+pub const SCHEMA: &str = "torse-refold/5";
 
 /// The whole answer. Lengths in mm, angles in degrees. What is called a bound is proven, what is
 /// called an estimate is measured at samples.
@@ -13,11 +17,13 @@ pub const SCHEMA: &str = "torse-refold/4";
 pub struct RefoldReport {
     /// [`SCHEMA`].
     pub schema: String,
+    /// `certified` if every part was bent back and is proven to lie within the tolerance, else `uncertified`.
+    pub status: String,
     /// The command that made the result.
     pub job: String,
     /// Its input.
     pub input: String,
-    /// Tolerance of the result.
+    /// Distance within which parts are to lie from their panels: the tolerance of the result, or what was asked for.
     pub tolerance: f64,
     /// Parts.
     pub parts: Vec<RefoldPart>,
@@ -32,6 +38,8 @@ pub struct RefoldReport {
 pub struct RefoldPart {
     /// Name.
     pub name: String,
+    /// Whether `distance_bound` is within the tolerance.
+    pub certified: bool,
     /// How the turn between the bend lines was found.
     pub method: String,
     /// Bend lines.
@@ -80,9 +88,9 @@ pub struct RefoldPanel {
 
 impl RefoldPanel {
     /// A panel with its bound (mm), or why there is none.
-    pub fn new(name: &str, found: &Result<f64, impl std::fmt::Display>) -> Self {
+    pub fn new(name: &str, found: &Result<UpperBound, impl std::fmt::Display>) -> Self {
         let not_proven = found.as_ref().err().map_or_else(String::new, |e| e.to_string());
-        Self { name: name.to_owned(), distance_bound: found.as_ref().ok().copied(), not_proven }
+        Self { name: name.to_owned(), distance_bound: found.as_ref().ok().map(|b| b.value()), not_proven }
     }
 }
 
@@ -95,11 +103,6 @@ impl RefoldPart {
 }
 
 impl RefoldReport {
-    /// Whether every part was bent back and none is beyond the tolerance of the result.
-    pub fn is_within(&self) -> bool {
-        self.left.is_empty() && !self.parts.iter().any(|p| p.is_beyond(self.tolerance))
-    }
-
     /// Notes that a part is missing from one of the files; `reason` names it.
     pub fn note_missing(&mut self, file: &str, reason: &str) {
         self.notes.push(format!("not in {file}: {reason}"));
@@ -118,7 +121,8 @@ impl RefoldReport {
         let panels = || self.parts.iter().flat_map(|p| &p.panels);
         let proven = panels().filter(|p| p.distance_bound.is_some()).count();
         let mut out = format!(
-            "{} of {} parts bent back; {proven} of {} panels within a proven distance, the others measured\n",
+            "{}{} of {} parts bent back; {proven} of {} panels within a proven distance, the others measured\n",
+            if self.status == words::status(Status::Certified) { "certified: " } else { "NOT CERTIFIED: " },
             self.parts.len(),
             self.parts.len() + self.left.len(),
             panels().count(),
@@ -171,10 +175,20 @@ impl RefoldReport {
         if !beyond.is_empty() {
             _ = writeln!(
                 out,
-                "  beyond the tolerance of the result, {}: {}. If no file was changed, the parts may still be right: between the lines that \
+                "  beyond the tolerance, {}: {}. If no file was changed, the parts may still be right: between the lines that \
                  are drawn the turn of the sheet is not in the files. More lines (--bend-step) bring them nearer.",
                 length(self.tolerance),
                 beyond.join(", "),
+            );
+        }
+        let open = |p: &&RefoldPart| !p.certified && !p.is_beyond(self.tolerance);
+        let open: Vec<&str> = self.parts.iter().filter(open).map(|p| p.name.as_str()).collect();
+        if !open.is_empty() {
+            _ = writeln!(
+                out,
+                "  measured within the tolerance, {}, but not proven to be: {}",
+                length(self.tolerance),
+                open.join(", "),
             );
         }
         for [name, reason] in &self.left {

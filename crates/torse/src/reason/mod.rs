@@ -4,6 +4,7 @@
 
 mod face;
 mod flat;
+mod place;
 mod proof;
 mod strip;
 

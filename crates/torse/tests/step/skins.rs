@@ -106,7 +106,7 @@ fn short_flanges_beyond_sharp_bends_stay_with_their_sheet() {
     // Bent back, its flanges reach to their edges.
     let mut flat = flat;
     let files: HashMap<String, Vec<u8>> = files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let back = refold(&|name| files.get(name).cloned(), &torse::Control::default()).expect("an answer").report();
+    let back = refold(&|name| files.get(name).cloned(), None, &torse::Control::default()).expect("an answer").report();
     assert!(back.parts[0].distance_bound.is_some_and(|d| d < 1e-3), "{:?}", back.parts);
 }
 
@@ -143,7 +143,7 @@ fn flanges_without_relief_are_bent_back_along_their_slits() {
     let mut flat = torse::unroll(&tray(), &options, &Control::default()).expect("parts");
     assert_eq!((flat.patterns().len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims());
     let files: HashMap<String, Vec<u8>> = files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    let back = refold(&|name| files.get(name).cloned(), &torse::Control::default()).expect("an answer").report();
+    let back = refold(&|name| files.get(name).cloned(), None, &torse::Control::default()).expect("an answer").report();
     assert!(back.left.is_empty() && back.parts[0].panels.len() == 5, "{back:?}");
     assert!(back.parts[0].distance_bound.is_some_and(|d| d < 1e-3), "{back:?}");
 }

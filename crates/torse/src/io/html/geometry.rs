@@ -36,6 +36,8 @@ pub(super) struct Header {
     pub borders: LinePart,
     /// Lines along which panels meet, coloured by their angle.
     pub joints: LinePart,
+    /// Where what is asked is seen to be broken: lines without length.
+    pub witnesses: LinePart,
     /// End of the scale of Gauss curvatures, 1/mm².
     pub curvature: f64,
     /// End of the scale of angles, degrees.
@@ -94,6 +96,8 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
     let rulings =
         || scene.panels.iter().enumerate().flat_map(|(i, p)| p.rulings.iter().map(move |r| (*r, i as u32, 0.0)));
     let joints = || scene.joints.iter().map(|(ends, angle)| (*ends, u32::MAX, angle.to_degrees()));
+    // A line without length is drawn as a dot.
+    let witnesses = || scene.witnesses.iter().map(|p| ([*p, *p], u32::MAX, 0.0));
     let angle = scene.joints.iter().map(|j| j.1.to_degrees()).fold(LEAST_ANGLE, f64::max);
     let borders = || {
         let polylines = scene.panels.iter().enumerate().flat_map(|(i, p)| p.borders.iter().map(move |b| (b, i)));
@@ -116,6 +120,7 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
         rulings: block.lines(rulings),
         borders: block.lines(borders),
         joints: block.lines(joints),
+        witnesses: block.lines(witnesses),
         curvature: curvature_limit(scene, diagonal),
         angle,
     };
@@ -248,6 +253,13 @@ mod tests {
         assert_eq!((f32_at(header.panels.curvature), f32_at(header.panels.curvature + 4 * 5)), (0.25, -0.5));
         assert!((f64::from(f32_at(header.joints.value)) - 30.0).abs() < 1e-5 && (header.angle - 30.0).abs() < 1e-9);
         assert_eq!(header.curvature, 0.5);
-        assert_eq!(header.joints.value + 4, bytes.len());
+        assert_eq!(header.joints.value + 4, header.witnesses.ends);
+        // A place is a line without length.
+        let scene = Scene { witnesses: vec![Vec3::new(4.0, 1.0, 0.0)], ..scene };
+        let (header, bytes) = pack(&scene, &Vec3::z(), 1.0);
+        let f32_at = |at: usize| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        let ends: Vec<f32> = (0..6).map(|k| f32_at(header.witnesses.ends + 4 * k)).collect();
+        assert_eq!((header.witnesses.segments, ends), (1, vec![1.0, 0.0, 0.0, 1.0, 0.0, 0.0]));
+        assert_eq!(header.witnesses.value + 4, bytes.len());
     }
 }

@@ -109,6 +109,7 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
         "field_hidden" => hidden(coloured).into(),
         "curvature_hidden" => hidden(shown.scene.curvature.iter().flatten().any(|c| !c.is_empty())).into(),
         "joints_hidden" => hidden(!shown.scene.joints.is_empty()).into(),
+        "witnesses_hidden" => hidden(!shown.scene.witnesses.is_empty()).into(),
         "field_name" => escape(field),
         "limit" => format!("{}&nbsp;{}", numbers::number(page.limit), escape(unit)),
         "version" => escape(&report.version),

@@ -227,7 +227,7 @@ function open_view(canvas, gl) {
   const shading = program(gl, MESH_VERTEX, MESH_FRAGMENT);
   const drawing = program(gl, LINE_VERTEX, LINE_FRAGMENT);
   const FOV = 24 * Math.PI / 180;
-  const shown = { panels: true, surface: false, rulings: true, borders: true, deviation: false, curvature: false, joints: false, reflections: false };
+  const shown = { panels: true, surface: false, rulings: true, borders: true, deviation: false, curvature: false, joints: false, witnesses: true, reflections: false };
   let eye_at;
 
   const upload = (from, length, target = gl.ARRAY_BUFFER) => {
@@ -283,7 +283,7 @@ function open_view(canvas, gl) {
     return { array, count: part.segments };
   };
 
-  const parts = { panels: mesh(scene.panels), surface: mesh(scene.surface), rulings: lines(scene.rulings), borders: lines(scene.borders), joints: lines(scene.joints) };
+  const parts = { panels: mesh(scene.panels), surface: mesh(scene.surface), rulings: lines(scene.rulings), borders: lines(scene.borders), joints: lines(scene.joints), witnesses: lines(scene.witnesses) };
   // Without panels there is still the surface to look at.
   const whole = scene.panels.indices > 0 ? scene.panels : scene.surface;
   const positions = new Float32Array(bytes.buffer, whole.position, 3 * whole.vertices);
@@ -411,6 +411,13 @@ function open_view(canvas, gl) {
     if (shown.rulings) segments(parts.rulings, 1, [0.1, 0.12, 0.16, 0.42]);
     if (shown.borders) segments(parts.borders, 1.9, [0.08, 0.1, 0.14, 0.95]);
     if (shown.joints) segments(parts.joints, 4.5, [0, 0, 0, 1], scene.angle);
+    if (shown.witnesses && parts.witnesses.count > 0) {
+      // Places where something is wrong are seen through everything.
+      gl.disable(gl.DEPTH_TEST);
+      gl.uniform1i(drawing.at.selected, -1);
+      segments(parts.witnesses, 13, [1, 1, 1, 1]);
+      segments(parts.witnesses, 8, [0, 0, 0, 1]);
+    }
     gl.depthMask(true);
     gl.bindVertexArray(null);
   };

@@ -11,7 +11,7 @@ use crate::answer::presentation::Presentation;
 use crate::answer::shapes::Shape;
 use crate::answer::Answer;
 use crate::brep::face::Face;
-use crate::certify::claim::{Claim, Demand, Evidence, Status, Subject, What};
+use crate::certify::claim::{Claim, Demand, Evidence, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
 use crate::io::{bend_table, bends, words};
@@ -24,10 +24,6 @@ use std::collections::{BTreeMap, HashMap};
 impl Report {
     /// The record of an answer; `shown` knows its shapes and marks.
     pub fn of(answer: &Answer, shown: &Presentation) -> Self {
-        let status = match answer.status() {
-            Status::Certified => "certified",
-            Status::Uncertified => "uncertified",
-        };
         let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
         let coverages = if answer.covers_faces() { coverage::faces(&answer.patchwork) } else { Vec::new() };
         let skipped = answer.skipped.iter().map(|s| SkippedRecord {
@@ -46,7 +42,7 @@ impl Report {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
             job: answer.job.name().into(),
-            status: status.into(),
+            status: words::status(answer.status()).into(),
             reason: words::reason(&answer.claims, &curves),
             objections: words::objections(&answer.claims, &curves),
             beside_panels: words::objections_beside_panels(&answer.claims, &curves),
@@ -136,6 +132,7 @@ impl FigureRecord {
                 Demand::AtMost(x) | Demand::AtLeast(x) => finite(x),
                 Demand::None => None,
             },
+            at: claim.witness().map(Into::into),
         }
     }
 }

@@ -5,7 +5,7 @@ pub(in crate::io) mod numbers;
 pub(crate) mod reason;
 
 use crate::answer::{Answer, Job};
-use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, Subject, What};
+use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, Status, Subject, Unit, What};
 use crate::reason::{Item, Reason};
 pub use note::{note, notes};
 pub use reason::{left_out, why};
@@ -78,6 +78,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::Area => "area".into(),
         What::FlatArea => "flat area".into(),
         What::LengthError => "length error of patterns".into(),
+        What::RefoldDistance => "distance between the part bent back and its panels, both ways".into(),
         What::DrawingDistance => "distance of the drawing from the flat panel".into(),
         What::WrittenDistance => "distance of the written file from what was judged".into(),
         What::Count(counted) => counted_name(counted).into(),
@@ -164,6 +165,7 @@ pub fn id(what: What) -> &'static str {
         What::Area => "area",
         What::FlatArea => "flat_area",
         What::LengthError => "length_error",
+        What::RefoldDistance => "refold_distance",
         What::DrawingDistance => "drawing_distance",
         What::WrittenDistance => "written_distance",
         What::Count(counted) => counted_id(counted),
@@ -196,65 +198,23 @@ fn counted_id(counted: Counted) -> &'static str {
     }
 }
 
+/// How a job ended, for programs.
+pub fn status(status: Status) -> &'static str {
+    match status {
+        Status::Certified => "certified",
+        Status::Uncertified => "uncertified",
+    }
+}
+
 /// The unit of what is claimed; empty for plain numbers.
 pub fn unit(what: What) -> &'static str {
-    match what {
-        What::Deviation
-        | What::FromCurve(_)
-        | What::FromSide(_)
-        | What::FromCurves
-        | What::PointDistance
-        | What::MeanPointDistance
-        | What::ElementDistance
-        | What::BeyondRulings
-        | What::EndDistance
-        | What::CentreDistance
-        | What::FaceDistance
-        | What::RulingGap
-        | What::FromTaken
-        | What::CurvesMoved
-        | What::TargetDistance(_)
-        | What::JoinGap(_)
-        | What::SeamGap
-        | What::MapSurfaceDistance
-        | What::JointGap
-        | What::RegressionClearance
-        | What::BendRadius
-        | What::InsideRadius
-        | What::DiagonalGap
-        | What::PointsMoved
-        | What::GivenDistance
-        | What::Noise
-        | What::OutlineDistance
-        | What::DrawingDistance
-        | What::WrittenDistance
-        | What::EdgeDistance
-        | What::BeyondOutline
-        | What::FromMeasured
-        | What::FoldGap(_)
-        | What::TrimDistance
-        | What::FirstRuling
-        | What::LongestRuling
-        | What::LastRuling => "mm",
-        What::Twist
-        | What::BendBefore
-        | What::LargestBend
-        | What::Kink
-        | What::JoinAngle(_)
-        | What::ElementAngle
-        | What::Turn
-        | What::EndRulingError => "°",
-        What::JointMismatch => "rad",
-        What::UsedOf(_) => "%",
-        What::Area | What::FlatArea => "m²",
-        What::NetShape(_)
-        | What::RegressionMargin
-        | What::Coverage
-        | What::LengthError
-        | What::Count(_)
-        | What::LeftOut
-        | What::Objection
-        | What::InPart => "",
+    match what.unit() {
+        Unit::Millimetre => "mm",
+        Unit::Degree => "°",
+        Unit::Radian => "rad",
+        Unit::Percent => "%",
+        Unit::SquareMetre => "m²",
+        Unit::One => "",
     }
 }
 
@@ -412,7 +372,8 @@ fn beyond(claim: &Claim, curves: &[String]) -> String {
     };
     let name = name(claim, curves);
     let asked = |limit: f64| numbers::plain(limit, GIVEN_DIGITS);
-    match claim.demand() {
+    let around = claim.witness().map_or_else(String::new, |p| format!(", around {}", numbers::place(&p)));
+    let told = match claim.demand() {
         _ if claim.evidence() == Evidence::Measured => format!("{name}: only measured, not proven"),
         Demand::AtMost(limit) if claim.value().is_finite() => {
             format!("{name}: {}{unit} where {}{unit} are allowed", digits(claim), asked(limit))
@@ -421,7 +382,8 @@ fn beyond(claim: &Claim, curves: &[String]) -> String {
             format!("{name}: {}{unit} where {}{unit} are wanted", digits(claim), asked(limit))
         }
         _ => format!("{name}: no bound could be shown"),
-    }
+    };
+    told + &around
 }
 
 /// So many things of one sort.

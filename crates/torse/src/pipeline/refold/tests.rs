@@ -35,7 +35,7 @@ fn back_as(faces: Vec<Face>, options: &UnrollOptions) -> RefoldReport {
     let mut answer = unroll(&model, options, &Control::default()).expect("parts");
     let made: HashMap<String, Vec<u8>> =
         files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-    refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report()
+    refold(&|name| made.get(name).cloned(), None, &Control::default()).expect("an answer").report()
 }
 
 /// Every panel is proven within a bound (mm).
@@ -74,9 +74,9 @@ fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
     // Asked to stop, nothing is bent back, and all of it is named.
     let stop = Control::default();
     stop.cancel();
-    let stopped = refold(&|name| made.get(name).cloned(), &stop).expect("an answer");
+    let stopped = refold(&|name| made.get(name).cloned(), None, &stop).expect("an answer");
     assert!(stopped.parts.is_empty() && stopped.left.iter().any(|l| l.1.contains("stopped")), "{:?}", stopped.left);
-    let report = refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report();
+    let report = refold(&|name| made.get(name).cloned(), None, &Control::default()).expect("an answer").report();
     assert!(report.left.is_empty() && report.parts[0].matched_estimate < 1e-3, "{report:?}");
     // Without the word of the report nobody knows which fibre is drawn.
     let silent = |name: &str| {
@@ -84,7 +84,7 @@ fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
         let text = String::from_utf8_lossy(&bytes).replace("\"neutral\"", "\"unknown\"");
         Some(if name == "report.json" { text.into_bytes() } else { bytes })
     };
-    let left = refold(&silent, &Control::default()).expect("an answer").report().left;
+    let left = refold(&silent, None, &Control::default()).expect("an answer").report().left;
     assert!(!left.is_empty(), "{left:?}");
 }
 
@@ -214,9 +214,9 @@ fn surfaces_that_were_given_a_thickness_are_compared_with_their_neutral_fibre() 
         let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
         let made: HashMap<String, Vec<u8>> =
             files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
-        let report = refold(&|name| made.get(name).cloned(), &Control::default()).expect("an answer").report();
+        let report = refold(&|name| made.get(name).cloned(), None, &Control::default()).expect("an answer").report();
         let p = &report.parts[0];
-        assert!(report.is_within() && p.distance_bound.is_some_and(|b| b < TOLERANCE), "{side:?} {report:?}");
+        assert!(report.status == "certified" && p.distance_bound.is_some_and(|b| b < TOLERANCE), "{side:?} {report:?}");
         assert!(report.words().contains("drawn is the neutral fibre, up to "), "{}", report.words());
         let map = read_map(&|name| made.get(name).cloned(), None, None).expect("a map");
         let angle = 0.5;
