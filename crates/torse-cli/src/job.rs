@@ -96,7 +96,7 @@ impl<'a> Job<'a> {
             Failure::new(e.to_string(), help)
         })?;
         // The maps of many parts are large, and nobody asks for them any more.
-        answer.charts = Vec::new();
+        answer.laid_faces = Vec::new();
         self.write_answer(answer, |name| name)
     }
 

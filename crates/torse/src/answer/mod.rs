@@ -16,7 +16,8 @@ use crate::certify::flat::FlatCertificate;
 use crate::certify::written::WrittenCertificate;
 use crate::certify::Certificate;
 use crate::develop::unfold::joints::PartJoint;
-use crate::develop::unfold::part::{PlacedChart, SheetPart};
+use crate::develop::unfold::part::SheetPart;
+use crate::develop::unfold::placed_face::PlacedFace;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
@@ -176,8 +177,8 @@ pub struct Answer {
     pub(crate) patterns: Vec<Pattern>,
     /// Thickness and bends of sheet metal, one for each pattern; empty for jobs that know no thickness.
     pub sheets: Vec<SheetPart>,
-    /// Of parts that are one face of the input, laid flat by its own map, that map, in the order of the patterns.
-    pub charts: Vec<Option<PlacedChart>>,
+    /// Faces of the input where they lie in parts that are laid flat by the faces' own maps, in the order of the patterns; none of others.
+    pub laid_faces: Vec<Vec<PlacedFace>>,
     /// Joints of parts that were laid flat, which share an edge of their file.
     pub joints: Vec<PartJoint>,
     /// What was proven about flat patterns, in the same order; empty where lengths were only measured.
@@ -246,7 +247,7 @@ impl Answer {
             parts: Vec::new(),
             patterns: Vec::new(),
             sheets: Vec::new(),
-            charts: Vec::new(),
+            laid_faces: Vec::new(),
             joints: Vec::new(),
             flat: Vec::new(),
             written: Vec::new(),

@@ -63,6 +63,13 @@ pub struct PartWork {
     pub roll: Vec<RollStation>,
     /// Its kinks, if it is to be kinked.
     pub faceted: Option<Faceted>,
+    /// Names of its panels, or faces, which stations of rolling and kinks count.
+    pub panels: Vec<String>,
     /// What the thickness makes of it, if one was given.
     pub sheet: Option<PartSheet>,
+}
+
+/// Name of a face of a part that is laid flat by its faces, which its panel has too; counted from 0.
+pub(crate) fn face_name(part: &str, face: usize) -> String {
+    format!("{part}-{:02}", face + 1)
 }

@@ -9,7 +9,8 @@ use std::fmt::Write as _;
 /// Radii along every curved part: `roll_table.csv`; lengths in `unit`. `None` where nothing is known.
 pub(crate) fn roll(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
-    let mut out = format!("part,seen_from,station,position_{sign},radius_start_{sign},radius_end_{sign},turn_deg\n");
+    let mut out =
+        format!("part,seen_from,station,position_{sign},radius_start_{sign},radius_end_{sign},turn_deg,panel\n");
     let mut any = false;
     for (pattern, work) in answer.patterns.iter().zip(&answer.shop.work) {
         for (k, s) in work.roll.iter().enumerate() {
@@ -18,12 +19,13 @@ pub(crate) fn roll(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
             // Writing to a string cannot fail.
             _ = writeln!(
                 out,
-                "{},{},{},{:.3},{a},{b},{:.3}",
+                "{},{},{},{:.3},{a},{b},{:.3},{}",
                 quoted(&pattern.name),
                 pattern.view.name(),
                 k + 1,
                 unit.of(s.position),
-                s.turn.to_degrees()
+                s.turn.to_degrees(),
+                panel(&work.panels, s.panel)
             );
         }
     }
@@ -35,7 +37,7 @@ pub fn facets(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
         "part,seen_from,kink,sequence,sense,angle_deg,from_last_{sign},length_{sign},radius_start_{sign},radius_end_{sign},\
-         first_line,last_line\n"
+         first_line,last_line,panel\n"
     );
     let mut any = false;
     for (pattern, work) in answer.patterns.iter().zip(&answer.shop.work) {
@@ -45,7 +47,7 @@ pub fn facets(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
             let [a, b] = kink.bend.radii.map(length);
             _ = writeln!(
                 out,
-                "{},{},{},{},{},{:.4},{},{},{a},{b},{},{}",
+                "{},{},{},{},{},{:.4},{},{},{a},{b},{},{},{}",
                 quoted(&pattern.name),
                 pattern.view.name(),
                 k + 1,
@@ -55,7 +57,8 @@ pub fn facets(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
                 length(kink.from_last),
                 length(kink.length),
                 kink.lines[0] + 1,
-                kink.lines[1] + 1
+                kink.lines[1] + 1,
+                panel(&work.panels, kink.panel())
             );
         }
     }
@@ -131,6 +134,11 @@ pub(crate) fn joints(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     (!answer.joints.is_empty()).then(|| out.into_bytes())
 }
 
+/// The name of a panel; empty where it has none.
+fn panel(names: &[String], k: usize) -> String {
+    names.get(k).map_or_else(String::new, |n| quoted(n))
+}
+
 fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "\"\""))
 }
@@ -176,6 +184,7 @@ mod tests {
     #[test]
     fn tables_hold_what_is_known_and_nothing_else() {
         let station = RollStation {
+            panel: 0,
             position: 254.0,
             ends: [Vec2::zeros(); 2],
             radii: [508.0, f64::INFINITY],
@@ -187,7 +196,7 @@ mod tests {
         };
         let mm = LengthUnit::Millimetre;
         assert!(roll(&answer, mm).is_none() && facets(&answer, mm).is_none() && bevels(&answer, mm).is_none());
-        answer.shop.work = vec![PartWork { roll: vec![station], ..PartWork::default() }];
+        answer.shop.work = vec![PartWork { roll: vec![station], panels: vec!["a-01".into()], ..PartWork::default() }];
         answer.shop.bevels = vec![SeamBevel {
             name: "S3".into(),
             between: ["A".into(), "B".into()],
@@ -195,7 +204,8 @@ mod tests {
             stations: vec![BevelStation { position: 0.0, kink: (-4.0f64).to_radians() }],
         }];
         let text = |b: Option<Vec<u8>>| String::from_utf8(b.expect("a table")).expect("text");
-        assert!(text(roll(&answer, LengthUnit::Inch)).ends_with("\n\"a \"\"b\"\"\",outside,1,10.000,20.000,,-0.500\n"));
+        assert!(text(roll(&answer, LengthUnit::Inch))
+            .ends_with("\n\"a \"\"b\"\"\",outside,1,10.000,20.000,,-0.500,\"a-01\"\n"));
         assert!(text(bevels(&answer, mm)).ends_with("\nS3,\"A\",\"B\",1,0.000,valley,4.0000,2.0000,\n"));
         answer.shop.thickness = Some(10.0);
         assert!(text(bevels(&answer, mm)).ends_with(",2.0000,-0.349\n"));

@@ -17,6 +17,7 @@ pub use options::{TooRound, UnrollError, UnrollOptions};
 
 use crate::answer::joints::apart;
 use crate::answer::note::{Note, UnrollNote};
+use crate::answer::shop::face_name;
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
 use crate::brep::body::SMOOTH;
@@ -88,7 +89,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
         let own = if laid.is_some() { 0 } else { part.faces.len() };
         let of = |k: usize| {
-            let (face, name) = (part.outside_of(k, &faces), format!("{}-{:02}", part.pattern.name, k + 1));
+            let (face, name) = (part.outside_of(k, &faces), face_name(&part.pattern.name, k));
             (face.entity, face_panel(&face, &name))
         };
         parallel::map(0..own, of)
@@ -123,7 +124,6 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         patterns: parts.iter().map(|p| p.pattern.clone()).collect(),
         notes: model.notes.iter().cloned().chain(told).collect(),
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
-        charts: parts.iter_mut().map(|p| p.chart.take()).collect(),
         joints,
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
@@ -142,6 +142,10 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let given = (&parts[..], &through_panels[..], &faces[..]);
     let carried = carried::carry(&model.curves, (&mut answer.patterns, covers), given, options.tolerance);
     answer.notes.extend(carried.into_iter().map(Note::Unroll));
+    // A part that is laid flat through a panel has that one's map.
+    let own =
+        |(part, laid): (&mut FlatPart, &Option<LaidFace>)| if laid.is_some() { Vec::new() } else { part.take_faces() };
+    answer.laid_faces = parts.iter_mut().zip(&through_panels).map(own).collect();
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
 }

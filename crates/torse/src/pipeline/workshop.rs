@@ -226,8 +226,16 @@ fn notes(answer: &Answer, options: &WorkshopOptions, told: Told) -> Vec<ShopNote
         out.push(ShopNote::NotNeutral { parts: left });
     }
     let off = |w: &PartWork| w.faceted.as_ref().map_or(0.0, |f| f.displacement_estimate);
-    let worst = answer.shop.work.iter().map(off).max_by(f64::total_cmp).filter(|w| *w > 0.0);
+    let worst = answer.shop.work.iter().map(off).filter(|w| w.is_finite()).max_by(f64::total_cmp).filter(|w| *w > 0.0);
     out.extend(worst.map(|displacement_estimate| ShopNote::Kinked { displacement_estimate }));
+    let varies = |(p, w): (&Pattern, &PartWork)| {
+        let of_faces = answer.laid_faces.get(p.panel).is_some_and(|f| !f.is_empty());
+        (of_faces && w.faceted.as_ref().is_some_and(|f| f.displacement_estimate.is_nan())).then(|| p.name.clone())
+    };
+    let varying: Vec<String> = answer.patterns.iter().zip(&answer.shop.work).filter_map(varies).collect();
+    if !varying.is_empty() {
+        out.push(ShopNote::KinkedFibre { parts: varying });
+    }
     if !unknown.is_empty() {
         out.push(ShopNote::Unknown { parts: unknown });
     }

@@ -26,7 +26,7 @@ pub enum ShopNote {
         /// The sheet.
         sheet: Sheet,
     },
-    /// Parts of several faces: their work is not known.
+    /// Parts whose faces have maps that do not fit what is drawn: their work is not known.
     NoPlaces {
         /// Names of the parts.
         parts: Vec<String>,
@@ -47,6 +47,12 @@ pub enum ShopNote {
     Kinked {
         /// How far they come to lie from the curved ones, mm, sampled.
         displacement_estimate: f64,
+    },
+    /// Parts that are kinked in place of being rolled, whose neutral fibre is not at one distance from their faces: how far they come to
+    /// lie from the curved ones is not known.
+    KinkedFibre {
+        /// Names of the parts.
+        parts: Vec<String>,
     },
     /// Parts drawn from other surfaces than their panels: their work is not known.
     Unknown {

@@ -16,7 +16,7 @@ use crate::develop::map::Development;
 use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::chart::Chart;
-use crate::develop::unfold::part::PlacedChart;
+use crate::develop::unfold::placed_face::PlacedChart;
 use crate::develop::unfold::region::Motion;
 use crate::develop::unfold::tree::{unfold, Joins, UnfoldOptions};
 use crate::geom::box_tree::BoxTree;

@@ -31,6 +31,13 @@ pub struct Kink {
     ruling: Spot,
 }
 
+impl Kink {
+    /// Index of its panel, or face, within the part.
+    pub fn panel(&self) -> usize {
+        self.ruling.panel
+    }
+}
+
 /// A part that is kinked.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faceted {
@@ -47,19 +54,34 @@ pub struct Faceted {
 const ONE_LINE: f64 = 1e-7;
 
 /// The kinks of a part, from the lines of its pattern. `None` for parts without any.
+///
+/// Of a part of faces that have maps of their own every rolled face is kinked by itself, and compared with itself: its flat image is
+/// folded and laid on the surface that is drawn, which is the neutral fibre where there is one.
 pub(crate) fn faceted(laid: &Laid, pattern: &Pattern) -> Option<Faceted> {
     let mut kinks = kinks(laid, pattern);
     if kinks.is_empty() {
         return None;
     }
-    let count = kinks.len();
-    for (k, kink) in kinks.iter_mut().enumerate() {
-        // 1, 3, 5, … from the first end, 2, 4, 6, … from the last.
-        let from_end = count - 1 - k;
-        kink.order = if k <= from_end { 2 * k + 1 } else { 2 * from_end + 2 };
+    let mut displacement_estimate = 0.0_f64;
+    let groups = if laid.is_of_faces() { laid.all_rolled().into_iter().map(Some).collect() } else { vec![None] };
+    let mut first = 0;
+    for group in groups {
+        let is_own = |k: &&Kink| group.is_none_or(|panel| k.ruling.panel == panel);
+        let count = kinks[first..].iter().take_while(is_own).count();
+        let own = &mut kinks[first..first + count];
+        for (k, kink) in own.iter_mut().enumerate() {
+            // 1, 3, 5, … from the first end, 2, 4, 6, … from the last.
+            let from_end = count - 1 - k;
+            kink.order = first + if k <= from_end { 2 * k + 1 } else { 2 * from_end + 2 };
+        }
+        let off = if count > 0 { displacement(laid, group, pattern, own) } else { 0.0 };
+        // What is not known of one face is not known of the part.
+        let known = !off.is_nan() && !displacement_estimate.is_nan();
+        displacement_estimate = if known { displacement_estimate.max(off) } else { f64::NAN };
+        first += count;
     }
     let sagitta_estimate = kinks.iter().map(|k| sagitta(&k.bend)).fold(0.0, f64::max);
-    Some(Faceted { displacement_estimate: displacement(laid, pattern, &kinks), sagitta_estimate, kinks })
+    Some(Faceted { displacement_estimate, sagitta_estimate, kinks })
 }
 
 /// Lines of a pattern as kinks: pieces of one ruling together, along the part.
@@ -67,7 +89,7 @@ fn kinks(laid: &Laid, pattern: &Pattern) -> Vec<Kink> {
     let mut out: Vec<Kink> = Vec::new();
     for (line, [a, b]) in pattern.rulings.iter().enumerate() {
         let bend = pattern.bend(line);
-        let Some(spot) = laid.spot(&((a + b) * 0.5)) else { continue };
+        let Some(spot) = laid.spot_of(line, &[*a, *b]) else { continue };
         let (first, last) = laid.range(spot.panel);
         let size = last - first;
         match out.last_mut() {
@@ -89,16 +111,14 @@ fn kinks(laid: &Laid, pattern: &Pattern) -> Vec<Kink> {
     for k in (0..out.len()).rev() {
         let [first, last] = out[k].lines.map(|l| pattern.rulings[l]);
         let middle = (first[0] + last[1]) * 0.5;
-        let from: Option<Vec2> = match k {
-            0 => {
-                let [a, b] = laid.ruling(0, laid.range(0).0);
-                (b - a).try_normalize(0.0).map(|way| a + way * way.dot(&(middle - a)))
-            }
-            _ => {
-                let [a, b] = pattern.rulings[out[k - 1].lines[0]];
-                (b - a).try_normalize(0.0).map(|way| a + way * way.dot(&(middle - a)))
-            }
+        let panel = out[k].ruling.panel;
+        let before = k.checked_sub(1).filter(|j| !laid.is_of_faces() || out[*j].ruling.panel == panel);
+        let [a, b] = match before {
+            Some(j) => pattern.rulings[out[j].lines[0]],
+            None if laid.is_of_faces() => laid.ruling(panel, laid.range(panel).0),
+            None => laid.ruling(0, laid.range(0).0),
         };
+        let from: Option<Vec2> = (b - a).try_normalize(0.0).map(|way| a + way * way.dot(&(middle - a)));
         out[k].from_last = from.map_or(f64::NAN, |f| (middle - f).norm());
     }
     out
@@ -142,19 +162,39 @@ fn folded(laid: &Laid, kinks: &[Kink]) -> Option<Vec<Folded>> {
 /// Share of the way to a panel's end by which the direction onwards is looked for.
 const STEP: f64 = 1e-3;
 
-/// See [`Faceted::displacement_estimate`]; not a number where nothing can be compared.
-fn displacement(laid: &Laid, pattern: &Pattern, kinks: &[Kink]) -> f64 {
+/// Share of the size of a part within which its neutral fibre is at one depth.
+const ONE_DEPTH: f64 = 1e-9;
+
+/// The depth (mm) of the surface that is drawn below a panel; `None` where it is not the same everywhere, so that this surface is not
+/// at one distance from the panel and the folded pattern has nothing exact to be compared with.
+fn depth(laid: &Laid, panel: usize) -> Option<f64> {
+    let all = laid.stations(panel).filter_map(|t| laid.depth(panel, t)).map(|d| d.0);
+    let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(d), b.max(d)));
+    (hi - lo <= ONE_DEPTH * laid.size()).then_some(lo)
+}
+
+/// See [`Faceted::displacement_estimate`]; not a number where nothing can be compared. Of one face, or of a part whose panels follow
+/// each other.
+fn displacement(laid: &Laid, group: Option<usize>, pattern: &Pattern, kinks: &[Kink]) -> f64 {
     let Some(folds) = folded(laid, kinks) else { return f64::NAN };
     let joints = pattern.contours.iter().map(|c| c.vertices.iter().map(|v| v.point).collect()).collect();
-    let part = FlatPart { loops: outlines(pattern, laid.size()), joints, ..FlatPart::default() };
+    let mut part = FlatPart { loops: outlines(pattern, laid.size()), joints, ..FlatPart::default() };
+    let mut below = 0.0;
+    if let Some((panel, face)) = group.and_then(|k| Some((k, laid.face(k)?))) {
+        let Some(found) = depth(laid, panel) else { return f64::NAN };
+        below = found;
+        let loops = face.region.loops.clone();
+        part = FlatPart { joints: loops.clone(), loops, ..part };
+    }
     let pairs: Vec<(Vec3, Vec3)> = samples(&part)
         .into_iter()
         .filter_map(|q| {
-            let spot = laid.spot(&q)?;
+            let spot = group.map_or_else(|| laid.spot(&q), |k| laid.spot_on(k, &q))?;
             let before = folds.partition_point(|f| (f.panel, f.t) < (spot.panel, spot.t));
             let here = Vec3::new(q.x, q.y, 0.0);
             let there = before.checked_sub(1).map_or(here, |k| folds[k].motion.point(&here));
-            Some((there, laid.space(&spot)))
+            let normal = laid.depth(spot.panel, spot.t)?.1;
+            Some((there, laid.space(&spot) - normal * below))
         })
         .collect();
     let Some(motion) = best_motion(&pairs) else { return f64::NAN };

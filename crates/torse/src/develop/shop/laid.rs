@@ -4,10 +4,14 @@
 //! Patterns are drawn from whichever side was wanted, so the map of a panel is known up to the side that is seen and a
 //! mirror image; the joint at which the outline begins and the direction of the rulings drawn tell which.
 
-use crate::develop::map::Development;
+mod panel;
+
+use crate::develop::bends;
 use crate::develop::pattern::developed;
 use crate::develop::strip;
-use crate::develop::unfold::part::PlacedChart;
+use crate::develop::unfold::bends::{BendKind, SheetBend};
+use crate::develop::unfold::part::SheetPart;
+use crate::develop::unfold::placed_face::PlacedFace;
 use crate::develop::unfold::region::Motion;
 use crate::geom::polygon::crossings;
 use crate::geom::{Vec2, Vec3};
@@ -17,21 +21,21 @@ use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::spline::surface::Surface;
 use crate::torse::strip::Strip;
+use panel::{Image, MappedPanel};
 
-/// Stations over the rulings of a part, and over every span of knots, at least.
-const STATIONS: (usize, usize) = (96, 6);
-/// A panel's rulings are known a little beyond its borders, by this share of their range: trims touch the last ruling.
-const BEYOND: f64 = 1e-3;
+/// Stations over the rulings of a part at least.
+const STATIONS: usize = 96;
 /// Share of the part's size below which places are one: what the patterns' own construction leaves.
 const SAME: f64 = 1e-7;
 /// Sine of the angle below which rulings are parallel.
 const PARALLEL: f64 = 1e-5;
-/// Steps by which the ruling through a point is found: each halves what is left or does better.
-const STEPS: usize = 60;
 /// Share of the way to the middle of a panel by which rulings are moved before they are cut off at the outline.
 const INWARDS: f64 = 1e-6;
 /// Share of its length by which a place may lie beyond the end of a ruling.
 const OVER: f64 = 0.02;
+
+/// Ends of a section on both sides of a sharp bend may be farther apart than these by rounding.
+const WIDER: f64 = 1.001;
 
 /// A place on a part: on a ruling of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,29 +48,15 @@ pub struct Spot {
     pub s: f64,
 }
 
-/// How a panel is laid in the plane.
-enum Image<'a> {
-    /// By its own development, and a motion of the image within the part.
-    Developed(Box<Development>, Motion),
-    /// As the face that it is the panel of.
-    Charted(&'a PlacedChart),
-}
-
-/// A panel and its map.
-struct MappedPanel<'a> {
-    patch: &'a Surface,
-    image: Image<'a>,
-    /// Rulings at which it begins and ends.
-    range: (f64, f64),
-    /// Parameters of rulings, rising, with the ends of their images; the first and the last lie a little beyond the panel.
-    rows: Vec<(f64, [Vec2; 2])>,
-}
-
 /// A part with its maps.
 pub struct Laid<'a> {
     panels: Vec<MappedPanel<'a>>,
     mirrored: bool,
     size: f64,
+    /// Of parts of faces, of every line drawn the rolled face that it is drawn for.
+    lines: Option<Vec<Option<usize>>>,
+    /// Widest gap or overlap of its faces, mm.
+    fold: f64,
 }
 
 impl<'a> Laid<'a> {
@@ -83,7 +73,7 @@ impl<'a> Laid<'a> {
         for (side, mirrored) in sides.iter().flat_map(|s| [(*s, false), (*s, true)]) {
             let (panels, corners) =
                 if trimmed { Self::trimmed(patchwork, &panels[0])? } else { Self::chain(panels, part.first, side)? };
-            let laid = Self { panels, mirrored, size };
+            let laid = Self { panels, mirrored, size, lines: None, fold: 0.0 };
             if !laid.fits(&pattern.rulings) {
                 continue;
             }
@@ -99,17 +89,19 @@ impl<'a> Laid<'a> {
         fallback.filter(|_| pattern.rulings.len() > 1)
     }
 
-    /// The same for a part that is one face, laid flat by its chart, or its neutral fibre. `None` where the face closes on itself, so
-    /// that places in space do not tell on which turn they are.
-    pub fn charted(patchwork: &'a Patchwork, part: &Part, pattern: &Pattern, chart: &'a PlacedChart) -> Option<Self> {
-        let panel = patchwork.panels.get(part.first).filter(|p| part.count == 1 && p.trim.is_some())?;
-        if chart.chart.closes() {
-            return None;
-        }
-        let (patch, range) = (&panel.strip.patch, ClippedRulings::new(panel).range());
-        let panel = MappedPanel::new(patch, Image::Charted(chart), patch.knots_u.domain(), range, STATIONS.0);
-        let laid = Self { panels: vec![panel], mirrored: false, size: pattern.length.max(pattern.area.sqrt()) };
-        pattern.rulings.iter().all(|[a, b]| laid.spot(&((a + b) * 0.5)).is_some()).then_some(laid)
+    /// The same for a part of faces that are laid flat by their own maps, or of their neutral fibre: the surface in space is that of
+    /// the faces, of a body of sheet the skin that is drawn. `None` where a line drawn for a rolled face is none of its rulings.
+    pub(crate) fn of_faces(faces: &'a [PlacedFace], sheet: &SheetPart, pattern: &Pattern) -> Option<Self> {
+        let rolled = |b: &SheetBend| std::iter::repeat_n(b.face, b.lines.len());
+        let lines: Vec<Option<usize>> = sheet.bends.iter().flat_map(rolled).collect();
+        let panels = faces.iter().map(|f| MappedPanel::of_face(f, STATIONS)).collect();
+        let gaps = sheet.bends.iter().filter(|b| b.kind == BendKind::Fold).map(|b| b.allowance.abs());
+        let fold = WIDER * gaps.fold(0.0, f64::max);
+        let size = pattern.length.max(pattern.area.sqrt());
+        let laid = Self { panels, mirrored: false, size, lines: Some(lines), fold };
+        let is_ruling = |(k, l): (usize, &[Vec2; 2])| laid.rolled(k).is_none() || laid.spot_of(k, l).is_some();
+        let told = laid.lines.as_ref().is_some_and(|l| l.len() == pattern.rulings.len());
+        (!faces.is_empty() && told && pattern.rulings.iter().enumerate().all(is_ruling)).then_some(laid)
     }
 
     /// A trimmed panel, and where its outline begins.
@@ -119,8 +111,8 @@ impl<'a> Laid<'a> {
         let first = development.map(start[0], start[1]);
         let range = ClippedRulings::new(panel).range();
         let domain = development.domain();
-        let image = Image::Developed(Box::new(development), Motion::identity());
-        Some((vec![MappedPanel::new(&panel.strip.patch, image, domain, range, STATIONS.0)], vec![first]))
+        let image = Image::Developed(&panel.strip.patch, Box::new(development), Motion::identity());
+        Some((vec![MappedPanel::new(image, domain, range, STATIONS)], vec![first]))
     }
 
     /// A chain of whole strips, with its first corner and those of its last ruling.
@@ -130,12 +122,12 @@ impl<'a> Laid<'a> {
         let (first, last) = (laid.first()?, laid.last()?);
         let end = last.strip.domain().1;
         let corners = vec![first.map(first.strip.domain().0, 0.0), last.map(end, 0.0), last.map(end, 1.0)];
-        let each = STATIONS.0.div_ceil(laid.len());
+        let each = STATIONS.div_ceil(laid.len());
         let panels = laid.into_iter().map(|l| {
             let (turn, shift) = l.motion();
             let domain = l.development.domain();
-            let image = Image::Developed(Box::new(l.development), Motion { turn, shift });
-            MappedPanel::new(&l.strip.patch, image, domain, l.strip.domain(), each)
+            let image = Image::Developed(&l.strip.patch, Box::new(l.development), Motion { turn, shift });
+            MappedPanel::new(image, domain, l.strip.domain(), each)
         });
         Some((panels.collect(), corners))
     }
@@ -174,9 +166,46 @@ impl<'a> Laid<'a> {
         self.size
     }
 
-    /// The patch of a panel.
-    pub fn patch(&self, panel: usize) -> &'a Surface {
-        self.panels[panel].patch
+    /// The patch of a panel; `None` of faces that have maps of their own.
+    pub fn patch(&self, panel: usize) -> Option<&'a Surface> {
+        self.panels[panel].patch()
+    }
+
+    /// The face that a panel is; `None` where panels are laid flat by their patches.
+    pub(crate) fn face(&self, panel: usize) -> Option<&'a PlacedFace> {
+        self.panels[panel].face()
+    }
+
+    /// Whether the part is made of faces that have maps of their own.
+    pub fn is_of_faces(&self) -> bool {
+        self.lines.is_some()
+    }
+
+    /// The rolled face that a line of the pattern is drawn for, in a part of faces.
+    pub fn rolled(&self, line: usize) -> Option<usize> {
+        self.lines.as_ref()?.get(line).copied().flatten()
+    }
+
+    /// The rolled faces of a part of faces.
+    pub fn all_rolled(&self) -> Vec<usize> {
+        let mut out: Vec<usize> = self.lines.iter().flatten().flatten().copied().collect();
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+
+    /// Widest gap or overlap (mm) of faces along sharp bends in the drawing.
+    pub fn widest_fold(&self) -> f64 {
+        self.fold
+    }
+
+    /// The place of the middle of a line drawn for a ruling; of a part of faces only if it is a rolled one's.
+    pub fn spot_of(&self, line: usize, [a, b]: &[Vec2; 2]) -> Option<Spot> {
+        let middle = (a + b) * 0.5;
+        match self.lines {
+            Some(_) => self.spot_on(self.rolled(line)?, &middle),
+            None => self.spot(&middle),
+        }
     }
 
     /// Parameters of the rulings of a panel between which its maps are smooth and steps small, rising.
@@ -196,8 +225,7 @@ impl<'a> Laid<'a> {
 
     /// A ruling in space, from v = 0 to v = 1.
     pub fn ruling_in_space(&self, panel: usize, t: f64) -> [Vec3; 2] {
-        let patch = self.panels[panel].patch;
-        [patch.point(t, 0.0), patch.point(t, 1.0)]
+        self.panels[panel].in_space(t)
     }
 
     /// Place in the drawing.
@@ -213,25 +241,68 @@ impl<'a> Laid<'a> {
     }
 
     /// Parameter v of the patch at a place: another number than the share where weights differ.
-    pub fn v(&self, at: &Spot) -> f64 {
-        let patch = self.panels[at.panel].patch;
+    pub fn v(&self, at: &Spot) -> Option<f64> {
+        let patch = self.patch(at.panel)?;
         let [w0, w1] = [0.0, 1.0].map(|v| patch.homogeneous_jet(at.t, v, 0)[0][3]);
-        at.s * w0 / (w1 * (1.0 - at.s) + at.s * w0)
+        Some(at.s * w0 / (w1 * (1.0 - at.s) + at.s * w0))
+    }
+
+    /// Radius of curvature (mm) at a place; of the skin of a body that of the inside of its sheet.
+    pub fn radius(&self, at: &Spot) -> f64 {
+        match &self.panels[at.panel].image {
+            Image::Developed(patch, ..) => bends::radius(patch, at.t, self.v(at).unwrap_or(at.s)),
+            Image::Face(f) => f.placed.chart.bend_at(at.t, f.region.reach).map_or(f64::NAN, |b| {
+                let [p, q] = b.radii;
+                // Equal radii may be infinite.
+                let own = if p == q { p } else { p + (q - p) * at.s };
+                if b.hollow {
+                    own
+                } else {
+                    (own - f.region.thickness).max(0.0)
+                }
+            }),
+        }
+    }
+
+    /// Unit normal in the middle of a ruling, and +1 where the sheet is hollow on its side, else −1.
+    pub fn normal(&self, panel: usize, t: f64) -> Option<(Vec3, f64)> {
+        match &self.panels[panel].image {
+            Image::Developed(patch, ..) => {
+                let j = patch.jet(t, 0.5);
+                Some((j.normal().try_normalize(0.0)?, j.normal().dot(&j.duu).signum()))
+            }
+            Image::Face(f) => {
+                let b = f.placed.chart.bend_at(t, f.region.reach)?;
+                Some((b.normal, if b.hollow { 1.0 } else { -1.0 }))
+            }
+        }
+    }
+
+    /// Depth (mm) below a face of the surface that is laid flat, and the unit normal from which it counts; 0 for panels.
+    pub fn depth(&self, panel: usize, t: f64) -> Option<(f64, Vec3)> {
+        match &self.panels[panel].image {
+            Image::Developed(..) => Some((0.0, Vec3::zeros())),
+            Image::Face(f) => f.placed.chart.bend_at(t, f.region.reach).map(|b| (b.depth, b.normal)),
+        }
     }
 
     /// The place of a point of the drawing; `None` where no ruling runs through it.
     pub fn spot(&self, q: &Vec2) -> Option<Spot> {
-        let own = self.seen(q);
-        let mut best: Option<(f64, Spot)> = None;
-        for (k, panel) in self.panels.iter().enumerate() {
-            for (t, s) in panel.through(&own, SAME * self.size) {
-                let over = (-s).max(s - 1.0).max(0.0);
-                if over <= OVER && best.is_none_or(|b| over < b.0) {
-                    best = Some((over, Spot { panel: k, t, s }));
-                }
-            }
-        }
-        best.map(|b| b.1)
+        let all = (0..self.panels.len()).filter_map(|k| self.near(k, q));
+        all.reduce(|a, b| if b.0 < a.0 { b } else { a }).map(|b| b.1)
+    }
+
+    /// The same on one panel.
+    pub fn spot_on(&self, panel: usize, q: &Vec2) -> Option<Spot> {
+        self.near(panel, q).map(|b| b.1)
+    }
+
+    /// The ruling of a panel on which a point lies best, and by which share of it the point lies beyond its end.
+    fn near(&self, panel: usize, q: &Vec2) -> Option<(f64, Spot)> {
+        let all = self.panels[panel].through(&self.seen(q), SAME * self.size).into_iter();
+        let over = |s: f64| (-s).max(s - 1.0).max(0.0);
+        let near = all.map(|(t, s)| (over(s), Spot { panel, t, s })).filter(|b| b.0 <= OVER);
+        near.reduce(|a, b| if b.0 < a.0 { b } else { a })
     }
 
     /// The stretches of a ruling that lie inside polygons of the drawing, as shares.
@@ -246,75 +317,6 @@ impl<'a> Laid<'a> {
             .map(|c| [c[0] / length, c[1] / length].map(|s| s.clamp(0.0, 1.0)))
             .filter(|c| c[1] > c[0])
             .collect()
-    }
-}
-
-impl<'a> MappedPanel<'a> {
-    fn new(patch: &'a Surface, image: Image<'a>, (a, b): (f64, f64), range: (f64, f64), stations: usize) -> Self {
-        let mut out = Self { patch, image, range, rows: Vec::new() };
-        let more = BEYOND * (range.1 - range.0);
-        let (lo, hi) = ((range.0 - more).max(a), (range.1 + more).min(b));
-        let mut ends = patch.knots_u.breaks();
-        ends.retain(|t| *t > range.0 && *t < range.1);
-        ends.extend([range.0, range.1]);
-        ends.sort_by(f64::total_cmp);
-        let parts = STATIONS.1.max(stations.div_ceil(ends.len()));
-        let mut all: Vec<f64> = ends
-            .windows(2)
-            .flat_map(|w| (0..parts).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / parts as f64))
-            .collect();
-        all.push(range.1);
-        all.extend((hi > range.1).then_some(hi));
-        if lo < range.0 {
-            all.insert(0, lo);
-        }
-        out.rows = all.into_iter().map(|t| (t, out.ends(t))).collect();
-        out
-    }
-
-    fn ends(&self, t: f64) -> [Vec2; 2] {
-        [0.0, 1.0].map(|v| match &self.image {
-            Image::Developed(development, motion) => motion.apply(&development.map(t, v)),
-            Image::Charted(placed) => placed.motion.apply(&placed.chart.flat(&self.patch.point(t, v), None)),
-        })
-    }
-
-    /// Rulings through a point of the plane, with the share along each.
-    fn through(&self, q: &Vec2, same: f64) -> Vec<(f64, f64)> {
-        // Distance from the line of a ruling, with its side.
-        let off = |[a, b]: &[Vec2; 2]| {
-            let d = b - a;
-            d.perp(&(q - a)) / d.norm()
-        };
-        let share = |[a, b]: &[Vec2; 2]| (b - a).dot(&(q - a)) / (b - a).norm_squared();
-        let mut out = Vec::new();
-        for w in self.rows.windows(2) {
-            let (mut x, mut y) = ((w[0].0, off(&w[0].1)), (w[1].0, off(&w[1].1)));
-            if (x.1 > 0.0) == (y.1 > 0.0) {
-                continue;
-            }
-            let mut t = x.0;
-            for k in 0..STEPS {
-                // Regula falsi, and now and then a halving.
-                t = if k % 3 == 2 { 0.5 * (x.0 + y.0) } else { x.0 - x.1 * (y.0 - x.0) / (y.1 - x.1) };
-                let here = off(&self.ends(t));
-                if here == 0.0 || t <= x.0 || t >= y.0 {
-                    break;
-                }
-                if (here > 0.0) == (x.1 > 0.0) {
-                    x = (t, here);
-                } else {
-                    y = (t, here);
-                }
-                if y.0 - x.0 <= f64::EPSILON * (x.0.abs() + y.0.abs()) {
-                    break;
-                }
-            }
-            out.push((t, share(&self.ends(t))));
-        }
-        let ends = [self.rows.first(), self.rows.last()].into_iter().flatten();
-        out.extend(ends.filter(|r| off(&r.1).abs() <= same).map(|r| (r.0, share(&r.1))));
-        out
     }
 }
 

@@ -8,6 +8,7 @@ pub(crate) mod material;
 pub(crate) mod neutral;
 pub mod offsets;
 pub(crate) mod order;
+mod pieces;
 pub mod roll;
 pub(crate) mod sections;
 #[cfg(test)]

@@ -39,7 +39,8 @@ impl<'a, 'b> Moves<'a, 'b> {
 
     /// Velocity of the move: `(n'·b) b`.
     fn rate(&self, sheet: usize, t: f64) -> Vec2 {
-        let j = self.laid.patch(sheet).jet(t, 0.5);
+        let Some(patch) = self.laid.patch(sheet) else { return Vec2::zeros() };
+        let j = patch.jet(t, 0.5);
         let [p, q] = self.laid.ruling_in_space(sheet, t);
         let [a, b] = self.laid.ruling(sheet, t);
         let (Some(e), Some(way)) = ((q - p).try_normalize(0.0), (b - a).try_normalize(0.0)) else {
@@ -61,8 +62,7 @@ impl<'a, 'b> Moves<'a, 'b> {
     }
 
     fn rows_range(&self, sheet: usize) -> f64 {
-        let (lo, hi) = self.laid.patch(sheet).knots_u.domain();
-        hi - lo
+        self.laid.patch(sheet).map_or(0.0, |p| p.knots_u.domain().1 - p.knots_u.domain().0)
     }
 
     fn between(&self, sheet: usize, a: f64, b: f64) -> Vec2 {

@@ -1,14 +1,16 @@
 //! The radius to which a part is rolled, along the part (docs/algorithms/shop.md, "Rolling").
 
 use super::laid::{Laid, Spot};
-use crate::develop::bends;
 use crate::develop::refold::drawn::polygon;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::Pattern;
+use crate::patchwork::pattern::{Pattern, ViewSide};
+use std::ops::Range;
 
 /// A ruling of a part with the radii of the sheet there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollStation {
+    /// Index of the panel, or face, within the part.
+    pub panel: usize,
     /// Distance from the first ruling, square to the rulings along the middle of the part, mm.
     pub position: f64,
     /// The ruling as it lies in the pattern, from edge to edge.
@@ -33,14 +35,24 @@ pub(in crate::develop) fn outlines(pattern: &Pattern, size: f64) -> Vec<Vec<Vec2
     pattern.contours.iter().map(contour).collect()
 }
 
-/// Radii at equal distances along a part, first and last ruling among them; none of a part that is flat throughout.
+/// Radii at equal distances along a part, first and last ruling among them; none of a part that is flat throughout. Of a part of
+/// faces that have maps of their own along each of its rolled faces.
 ///
 /// *Input*: a part with its maps, seen from the side of its pattern. *Measured, not proven.*
 pub fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
-    let loops = outlines(pattern, laid.size());
-    let rulings = RulingOnTheWay::of(laid, &loops);
+    if !laid.is_of_faces() {
+        return along(laid, 0..laid.len(), &outlines(pattern, laid.size()), up(laid, pattern));
+    }
+    // Normals of faces are those towards the eye that sees their outside.
+    let up = if pattern.view == ViewSide::Outside { 1.0 } else { -1.0 };
+    let own = |k: usize| laid.face(k).map_or_else(Vec::new, |f| along(laid, k..k + 1, &f.region.loops, up));
+    laid.all_rolled().into_iter().flat_map(own).collect()
+}
+
+/// Radii along panels that follow each other, inside polygons of the drawing.
+fn along(laid: &Laid, panels: Range<usize>, loops: &[Vec<Vec2>], up: f64) -> Vec<RollStation> {
+    let rulings = RulingOnTheWay::of(laid, panels, loops);
     let Some(length) = rulings.last().map(|c| c.position).filter(|l| *l > 0.0) else { return Vec::new() };
-    let up = up(laid, pattern);
     let mut out = Vec::new();
     for k in 0..=PARTS {
         let at = length * k as f64 / PARTS as f64;
@@ -48,11 +60,11 @@ pub fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
         let (a, b) = (&rulings[i - 1], &rulings[i]);
         let share = if b.position > a.position { (at - a.position) / (b.position - a.position) } else { 1.0 };
         let (panel, t) = if a.panel == b.panel { (a.panel, a.t + (b.t - a.t) * share) } else { (b.panel, b.t) };
-        let pieces = laid.inside(panel, t, &loops);
+        let pieces = laid.inside(panel, t, loops);
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { continue };
         let spots = [first[0], last[1]].map(|s| Spot { panel, t, s });
         let radius = |spot: &Spot| {
-            let r = bends::radius(laid.patch(panel), t, laid.v(spot));
+            let r = laid.radius(spot);
             if r * FLAT > laid.size() {
                 f64::INFINITY
             } else {
@@ -60,6 +72,7 @@ pub fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
             }
         };
         out.push(RollStation {
+            panel,
             position: at,
             ends: [laid.flat(&spots[0]), laid.flat(&spots[1])],
             radii: [radius(&spots[0]), radius(&spots[1])],
@@ -83,15 +96,10 @@ fn up(laid: &Laid, pattern: &Pattern) -> f64 {
     let sign = widest.and_then(|([a, b], bend)| {
         let spot = laid.spot(&((a + b) * 0.5))?;
         let sense = if bend.sense == BendSense::Up { 1.0 } else { -1.0 };
-        Some(sense * curvature_sign(laid, &spot))
+        let j = laid.patch(spot.panel)?.jet(spot.t, laid.v(&spot)?);
+        Some(sense * j.normal().dot(&j.duu).signum())
     });
     sign.unwrap_or(1.0)
-}
-
-/// Side to which the sheet is hollow, against R_t × R_v.
-fn curvature_sign(laid: &Laid, spot: &Spot) -> f64 {
-    let j = laid.patch(spot.panel).jet(spot.t, laid.v(spot));
-    j.normal().dot(&j.duu).signum()
 }
 
 /// A ruling on the way along a part.
@@ -105,20 +113,20 @@ pub(super) struct RulingOnTheWay {
 }
 
 impl RulingOnTheWay {
-    /// Rulings of a part that meet its outline, in order.
-    pub(super) fn of(laid: &Laid, loops: &[Vec<Vec2>]) -> Vec<Self> {
+    /// Rulings of panels that follow each other, as far as they meet polygons of the drawing, in order.
+    fn of(laid: &Laid, panels: Range<usize>, loops: &[Vec<Vec2>]) -> Vec<Self> {
         let mut out: Vec<Self> = Vec::new();
         let mut before: Option<(Vec2, [Vec2; 2], crate::geom::Vec3, f64)> = None;
-        for panel in 0..laid.len() {
+        for panel in panels {
             // Neighbouring patches may look to other sides.
             let side = before.as_ref().map_or(1.0, |(.., n, s)| {
                 let first = laid.stations(panel).next().unwrap_or(0.0);
-                s * normal(laid, panel, first).map_or(1.0, |m| m.dot(n).signum())
+                s * laid.normal(panel, first).map_or(1.0, |m| m.0.dot(n).signum())
             });
             for t in laid.stations(panel) {
                 let pieces = laid.inside(panel, t, loops);
                 let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { continue };
-                let Some(n) = normal(laid, panel, t) else { continue };
+                let Some((n, rising)) = laid.normal(panel, t) else { continue };
                 let ends = laid.ruling(panel, t);
                 let middle = ends[0] + (ends[1] - ends[0]) * (0.5 * (first[0] + last[1]));
                 let (mut step, mut turn) = (0.0, 0.0);
@@ -126,8 +134,6 @@ impl RulingOnTheWay {
                     // Way square to the mean of both rulings.
                     let way = ((b - a).normalize() + (ends[1] - ends[0]).normalize()).normalize();
                     step = way.perp(&(middle - place)).abs();
-                    let j = laid.patch(panel).jet(t, 0.5);
-                    let rising = j.normal().dot(&j.duu).signum();
                     turn = side * rising * m.angle(&n).min(std::f64::consts::PI - m.angle(&n));
                 }
                 let (position, turned) = out.last().map_or((0.0, 0.0), |c| (c.position, c.turn));
@@ -137,11 +143,6 @@ impl RulingOnTheWay {
         }
         out
     }
-}
-
-/// Unit normal of a patch in the middle of a ruling.
-fn normal(laid: &Laid, panel: usize, t: f64) -> Option<crate::geom::Vec3> {
-    laid.patch(panel).jet(t, 0.5).normal().try_normalize(0.0)
 }
 
 #[cfg(test)]

@@ -6,9 +6,11 @@
 //! distance. A ruling that lies in the plane is the section.
 
 use super::laid::{Laid, Spot};
+use super::pieces::{joined, Near, Piece};
 use super::roll::outlines;
 use crate::develop::marked::marked;
-use crate::geom::polygon::{distance, inside, sides};
+use crate::develop::unfold::placed_face::PlacedFace;
+use crate::geom::polygon::{bounds, distance, inside, sides};
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::pattern::{MarkLine, Pattern};
 
@@ -34,6 +36,8 @@ const STEPS: usize = 80;
 const FITTED: f64 = 4.0;
 /// Share of the part's size below which ends of stretches are one place, and lines are too short to be drawn.
 const SAME: f64 = 1e-7;
+/// Sine of the angle below which a plane is parallel to a plane face.
+const PARALLEL: f64 = 1e-9;
 
 /// Lines in which planes cut a part, inside its outline, in the order of the planes. Chords keep within `tolerance` (mm) of
 /// the section, as far as three places of every chord tell, lines and arcs within four times that of these.
@@ -42,8 +46,10 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
     let mut out = Vec::new();
     for plane in planes {
         let mut lines: Vec<Vec<Vec2>> = Vec::new();
-        for panel in 0..laid.len() {
-            for stretch in on_panel(laid, panel, plane, tolerance) {
+        if laid.is_of_faces() {
+            lines = on_faces(laid, (plane, &loops), tolerance);
+        } else {
+            for stretch in (0..laid.len()).flat_map(|panel| on_panel(laid, panel, plane, tolerance)) {
                 for piece in clipped(&stretch, &loops) {
                     join(&mut lines, piece, SAME * laid.size());
                 }
@@ -62,6 +68,53 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
     out
 }
 
+/// The lines of a section with faces that have maps of their own: on every face inside its region and inside the outline, joined where
+/// faces meet.
+fn on_faces(laid: &Laid, (plane, outlines): (&SectionPlane, &[Vec<Vec2>]), tolerance: f64) -> Vec<Vec<Vec2>> {
+    let same = SAME * laid.size();
+    let mut pieces = Vec::new();
+    for (panel, face) in (0..laid.len()).filter_map(|k| Some((k, laid.face(k)?))) {
+        let stretches = match face.placed.chart.plane() {
+            Some(_) => across_plane(face, plane).into_iter().collect(),
+            None => on_panel(laid, panel, plane, tolerance),
+        };
+        let own = stretches.iter().flat_map(|s| clipped_near(s, &face.region.loops, same));
+        let drawn = own.flat_map(|s| clipped_near(&s, outlines, same));
+        pieces.extend(drawn.map(|points| {
+            let ends = [points[0], points[points.len() - 1]].map(|q| in_space(laid, panel, &q));
+            Piece { panel, points, ends }
+        }));
+    }
+    joined(pieces, Near { same, edge: tolerance, fold: laid.widest_fold() })
+}
+
+/// The section of a plane with a plane face, across its whole region; `None` where they are parallel.
+fn across_plane(face: &PlacedFace, plane: &SectionPlane) -> Option<Vec<Vec2>> {
+    let (frame, motion) = (face.placed.chart.plane()?, &face.placed.motion);
+    let across = Vec2::new(plane.normal.dot(&frame.x), plane.normal.dot(&frame.y));
+    if across.norm() <= PARALLEL {
+        return None;
+    }
+    let foot = across * ((plane.offset - plane.normal.dot(&frame.origin)) / across.norm_squared());
+    let (at, way) = (motion.apply(&foot), motion.direction(&Vec2::new(-across.y, across.x).normalize()));
+    let (lo, hi) = bounds(&face.region.loops);
+    let (middle, reach) = (way.dot(&((lo + hi) * 0.5 - at)), (hi - lo).norm());
+    Some(vec![at + way * (middle - reach), at + way * (middle + reach)])
+}
+
+/// Where a point of a face's region is in space; not numbers where it is not known.
+fn in_space(laid: &Laid, panel: usize, q: &Vec2) -> Vec3 {
+    let plane = laid.face(panel).and_then(|f| Some((f.placed.chart.plane()?, &f.placed.motion)));
+    match plane {
+        Some((frame, motion)) => {
+            let [c, s] = motion.turn;
+            let d = q - motion.shift;
+            frame.to_world(&Vec3::new(c * d.x + s * d.y, c * d.y - s * d.x, 0.0))
+        }
+        None => laid.spot_on(panel, q).map_or(Vec3::repeat(f64::NAN), |spot| laid.space(&spot)),
+    }
+}
+
 /// Stretches of the section with a whole panel.
 fn on_panel(laid: &Laid, panel: usize, plane: &SectionPlane, tolerance: f64) -> Vec<Vec<Vec2>> {
     // Heights of both ends of a ruling above the plane.
@@ -73,7 +126,7 @@ fn on_panel(laid: &Laid, panel: usize, plane: &SectionPlane, tolerance: f64) -> 
     let level: Vec<bool> = stations.iter().map(|t| ends(*t).iter().all(|x| x.abs() <= same)).collect();
     for (k, t) in stations.iter().enumerate().filter(|(k, _)| level[*k]) {
         // A joint belongs to the panel before it; of a stretch that lies in the plane as a whole nothing is marked.
-        let joint = k == 0 && panel > 0;
+        let joint = k == 0 && panel > 0 && !laid.is_of_faces();
         let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().any(|j| level.get(j) == Some(&true));
         if !joint && !beside {
             out.push(laid.ruling(panel, *t).to_vec());
@@ -176,6 +229,11 @@ fn join(lines: &mut Vec<Vec<Vec2>>, mut line: Vec<Vec2>, same: f64) {
 
 /// The stretches of a line inside polygons.
 pub(in crate::develop) fn clipped(line: &[Vec2], loops: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
+    clipped_near(line, loops, 0.0)
+}
+
+/// The stretches of a line inside polygons, or no farther than `near` (mm) beside their sides.
+fn clipped_near(line: &[Vec2], loops: &[Vec<Vec2>], near: f64) -> Vec<Vec<Vec2>> {
     let mut out: Vec<Vec<Vec2>> = Vec::new();
     let mut open: Vec<Vec2> = Vec::new();
     for w in line.windows(2) {
@@ -188,10 +246,14 @@ pub(in crate::develop) fn clipped(line: &[Vec2], loops: &[Vec<Vec2>]) -> Vec<Vec
                 at.push((x - a).dot(&d) / d.norm_squared());
             }
         }
+        // What runs along a side ends where that does.
+        let beside = loops.iter().flatten().filter(|p| near > 0.0 && d.perp(&(*p - a)).abs() <= near * d.norm());
+        at.extend(beside.map(|p| (p - a).dot(&d) / d.norm_squared()));
         at.retain(|x| (0.0..=1.0).contains(x));
         at.sort_by(f64::total_cmp);
         for x in at.windows(2).filter(|x| x[1] > x[0]) {
-            if !inside(loops, &(a + d * (0.5 * (x[0] + x[1])))) {
+            let middle = a + d * (0.5 * (x[0] + x[1]));
+            if !inside(loops, &middle) && (near <= 0.0 || distance(loops, &middle) > near) {
                 if open.len() > 1 {
                     out.push(std::mem::take(&mut open));
                 }
@@ -275,5 +337,9 @@ mod tests {
         let found = clipped(&[Vec2::new(-5.0, 5.0), Vec2::new(2.0, 5.0), Vec2::new(15.0, 5.0)], &loops);
         let ends: Vec<(f64, f64)> = found.iter().map(|l| (l[0].x, l[l.len() - 1].x)).collect();
         assert_eq!(ends, [(0.0, 4.0), (6.0, 10.0)]);
+        // Along a side where that is meant, and no farther.
+        let along = clipped_near(&[Vec2::new(-5.0, 10.0), Vec2::new(15.0, 10.0)], &loops, 1e-6);
+        let ends: Vec<(f64, f64)> = along.iter().map(|l| (l[0].x, l[l.len() - 1].x)).collect();
+        assert_eq!(ends, [(0.0, 10.0)]);
     }
 }

@@ -66,6 +66,8 @@ pub struct SheetBend {
     pub order: usize,
     /// Entity numbers of the edges that a fold is about, as far as the file has them.
     pub edges: Vec<u64>,
+    /// Of a rolled face its number within the part.
+    pub face: Option<usize>,
     /// Steps of the outer face from the root.
     level: usize,
 }
@@ -131,6 +133,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, 
             length: 0.0,
             order: 0,
             edges: vec![body.halves[h].stretch.entity].into_iter().filter(|e| *e > 0).collect(),
+            face: None,
             level: level.unwrap_or(0),
         };
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
@@ -251,6 +254,7 @@ fn of_face(
     let goes_on = !extents.is_empty();
     let mut before = 0.0;
     let stretches = placed.chart.stretches();
+    let number = piece.faces.iter().position(|p| p.face == placed.face);
     let cells =
         if kind == BendKind::Rolled { cells(piece, placed, &region, (&stretches, spacing)) } else { Vec::new() };
     let one = |stretch: Stretch| {
@@ -277,6 +281,7 @@ fn of_face(
             length,
             order: 0,
             edges: Vec::new(),
+            face: number.filter(|_| kind == BendKind::Rolled),
             level: placed.level,
         }
     };
@@ -452,6 +457,7 @@ mod tests {
             length: 40.0,
             order: 0,
             edges: Vec::new(),
+            face: None,
             level: 1,
         };
         let first = bend(0.0, 1.5, 2.0);

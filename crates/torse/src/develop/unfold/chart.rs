@@ -8,6 +8,7 @@
 //! shorter or longer by δ times it. In a sheet δ follows from K at the inside radius of each ruling, half way along it, and changes
 //! sides where the bend does: inflections are ends of steps, too.
 
+mod family;
 mod fibre_depth;
 mod ruled;
 mod strips;

@@ -6,6 +6,7 @@ pub mod chart;
 pub mod joints;
 pub(crate) mod outline;
 pub mod part;
+pub mod placed_face;
 pub mod region;
 pub(crate) mod sheet;
 pub mod tree;

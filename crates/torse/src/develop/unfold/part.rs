@@ -1,10 +1,10 @@
 //! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
 
 use super::bends::{bends, SheetBend};
-use super::chart::Chart;
 use super::joints::{shared_edges, SharedEdge};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
-use super::region::{Motion, POINT};
+use super::placed_face::{region, FaceRegion, PlacedChart, PlacedFace};
+use super::region::POINT;
 use super::sheet::{open, sheet, Sheet, SheetError, ALIKE};
 use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
@@ -38,15 +38,6 @@ pub struct SheetPart {
     pub turned: Vec<bool>,
 }
 
-/// The map of a face, and where its image lies in the part.
-#[derive(Clone, Debug)]
-pub struct PlacedChart {
-    /// The map.
-    pub chart: Chart,
-    /// The motion after it.
-    pub motion: Motion,
-}
-
 /// A flat part.
 #[derive(Clone, Debug)]
 pub struct FlatPart {
@@ -72,8 +63,8 @@ pub struct FlatPart {
     pub slanting: Vec<u64>,
     /// The map of every face, whether it has a closed form or not.
     pub places: Vec<PlacedChart>,
-    /// Of a part that is one face its map.
-    pub chart: Option<PlacedChart>,
+    /// The region of every face in the pattern, in the order of `places`.
+    pub regions: Vec<FaceRegion>,
     /// Edges that it shares with itself or a later part of its body; parts are counted within the body.
     pub shared: Vec<SharedEdge>,
 }
@@ -88,6 +79,12 @@ impl FlatPart {
         } else {
             face.clone()
         }
+    }
+
+    /// Its faces where they lie, which it has no more after that.
+    pub fn take_faces(&mut self) -> Vec<PlacedFace> {
+        let (places, regions) = (std::mem::take(&mut self.places), std::mem::take(&mut self.regions));
+        places.into_iter().zip(regions).map(|(placed, region)| PlacedFace { placed, region }).collect()
     }
 }
 
@@ -343,10 +340,7 @@ fn part(
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
         slanting: Vec::new(),
         places: piece.faces.iter().map(|p| PlacedChart { chart: p.chart.clone(), motion: p.motion }).collect(),
-        chart: match piece.faces.as_slice() {
-            [only] => Some(PlacedChart { chart: only.chart.clone(), motion: only.motion }),
-            _ => None,
-        },
+        regions: piece.faces.iter().map(|p| region(body, piece, p, found.thickness, tolerance)).collect(),
         shared: Vec::new(),
     }
 }

@@ -130,7 +130,6 @@ fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &
     part.pattern = Pattern { panel: part.pattern.panel, ..seen };
     // A panel is that of the surface itself.
     part.sheet.given = None;
-    part.chart = None;
     renamed(&mut part.sheet.bends, &part.pattern);
     Some(laid)
 }

@@ -7,7 +7,9 @@ mod joined;
 mod kinds;
 mod marks;
 mod offsets;
+mod rolled;
 mod round;
+mod sections;
 mod skins;
 
 use crate::answer::note::{Note, UnrollNote};

@@ -1,7 +1,7 @@
 //! The work on one part.
 
 use super::options::WorkshopOptions;
-use crate::answer::shop::PartWork;
+use crate::answer::shop::{face_name, PartWork};
 use crate::answer::Answer;
 use crate::develop::shop::facets::faceted;
 use crate::develop::shop::laid::Laid;
@@ -28,12 +28,12 @@ pub(super) struct Made {
 pub(super) fn made(answer: &Answer, pattern: &Pattern, planes: &[SectionPlane], options: &WorkshopOptions) -> Made {
     let part = answer.parts.get(pattern.panel);
     let own = answer.sheets.get(pattern.panel);
-    let chart = answer.charts.get(pattern.panel).and_then(Option::as_ref);
+    let faces = answer.laid_faces.get(pattern.panel).filter(|f| !f.is_empty());
     // Bodies of sheet have their own thickness; surfaces that were given one are laid flat by their neutral fibre.
     let is_body = own.is_some_and(|s| s.thickness > 0.0);
     let is_fibre = own.is_some_and(|s| s.given.is_some());
-    let laid = part.and_then(|p| match chart {
-        Some(chart) => Laid::charted(&answer.patchwork, p, pattern, chart),
+    let laid = part.and_then(|p| match faces.zip(own) {
+        Some((faces, own)) => Laid::of_faces(faces, own, pattern),
         None if is_body || is_fibre => None,
         None => Laid::of(&answer.patchwork, p, pattern),
     });
@@ -43,7 +43,7 @@ pub(super) fn made(answer: &Answer, pattern: &Pattern, planes: &[SectionPlane], 
         let Hollow { outwards, inwards } = Hollow::of(pattern);
         // The offset of an apex is a curve, which no outline of the panels has; a sheet that does not fit has none. Faces that have
         // a map of their own and are not laid flat by their fibre have no room for it.
-        let none = apex || found.inside_radius <= 0.0 || laid.is_none() || chart.is_some();
+        let none = apex || found.inside_radius <= 0.0 || laid.is_none() || faces.is_some();
         let unknown = if is_fibre { outwards && inwards } else { none && found.neutral != 0.0 };
         PartSheet { neutral: if unknown { f64::NAN } else { found.neutral }, ..found }
     };
@@ -53,8 +53,8 @@ pub(super) fn made(answer: &Answer, pattern: &Pattern, planes: &[SectionPlane], 
     };
     let work = PartWork {
         roll: roll_table(laid, pattern),
-        // Kinks of another surface than the panel's say nothing of it.
-        faceted: (options.kinked && !is_fibre && !is_body).then(|| faceted(laid, pattern)).flatten(),
+        faceted: options.kinked.then(|| faceted(laid, pattern)).flatten(),
+        panels: panel_names(answer, pattern, part, laid),
         sheet,
     };
     let tolerance = DRAWN * answer.tolerance;
@@ -65,6 +65,15 @@ pub(super) fn made(answer: &Answer, pattern: &Pattern, planes: &[SectionPlane], 
         offset_pattern(laid, &marked, neutral, tolerance)
     });
     Made { work, changed, known: true }
+}
+
+/// Names of the panels of a part, as the file of panels has them.
+fn panel_names(answer: &Answer, pattern: &Pattern, part: Option<&Part>, laid: &Laid) -> Vec<String> {
+    if laid.is_of_faces() {
+        return (0..laid.len()).map(|k| face_name(&pattern.name, k)).collect();
+    }
+    let panels = part.and_then(|p| answer.patchwork.panels.get(p.first..p.first + p.count));
+    panels.unwrap_or_default().iter().map(|p| p.strip.name.clone()).collect()
 }
 
 /// Whether a strip of a part ends in a point.

@@ -31,7 +31,7 @@ pub(super) fn words(note: &ShopNote) -> String {
         ),
         ShopNote::NoPlaces { parts } => {
             format!(
-                "Roll radii and sections are not known of parts of several faces or of one that closes on itself: {}.",
+                "Roll radii, kinks and sections are not known of {}: the maps of the faces do not fit what is drawn.",
                 named(parts)
             )
         }
@@ -53,6 +53,11 @@ pub(super) fn words(note: &ShopNote) -> String {
             "Kinked parts come to lie up to {} from the curved ones (sampled); kinks, angles and a sequence from both ends \
              inwards are in facets.csv.",
             length(*displacement_estimate)
+        ),
+        ShopNote::KinkedFibre { parts } => format!(
+            "How far kinked parts come to lie from the curved ones is not known of {}: the neutral fibre that is drawn is not at one \
+             distance from their faces, as their radii and with them K change; kinks, angles and a sequence are in facets.csv.",
+            named(parts)
         ),
         ShopNote::Offsets { edge_error } => format!(
             "inside.step, neutral.step and outside.step hold the sides of the sheet and its neutral surface, the panels at a constant \

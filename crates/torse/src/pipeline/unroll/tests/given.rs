@@ -106,7 +106,7 @@ fn a_sheet_without_room_is_refused_and_the_surface_kept() {
 }
 
 /// A cylinder over a profile with one inflection, in its middle: both halves turn by `atan(3/2) + 45°`.
-fn wave() -> Model {
+pub(super) fn wave() -> Model {
     let profile = [[0.0, 0.0], [40.0, 60.0], [60.0, -60.0], [100.0, 0.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
     let points: Vec<Vec3> = profile.iter().flat_map(|p| [*p, p + 90.0 * Vec3::y()]).collect();
     let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
