@@ -22,7 +22,7 @@ use crate::spline::curve::Curve;
 use crate::torse::net::{Net, NetError, Shape, TaperedNet};
 use crate::torse::rail::Rail;
 use assessed::{assessed, Nets};
-pub(crate) use error::NetJobError;
+pub use error::NetJobError;
 pub use options::{Condition, Options};
 use std::time::Instant;
 

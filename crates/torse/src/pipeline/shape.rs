@@ -28,7 +28,7 @@ use assessed::assessed;
 use composite::composite;
 use moved::{moved, Moved};
 pub use options::Options;
-pub(crate) use options::ShapeError;
+pub use options::ShapeError;
 use std::time::Instant;
 use targets::Asked;
 

@@ -19,7 +19,7 @@ use crate::torse::rail::Rail;
 use chains::Chain;
 pub(crate) use contact::OnRail;
 use contact::{coplanarity, is_corner, opposite, tangent_plane, tangents};
-pub(crate) use sampled::HullError;
+pub use sampled::HullError;
 use sampled::{Sampled, SideKind};
 
 /// A ruling of the hull's boundary, or the edge of a facet.
