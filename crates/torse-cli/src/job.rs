@@ -16,7 +16,7 @@ use torse::certify::claim::{Status, What};
 use torse::control::Control;
 use torse::develop::shop::thickness::Sheet;
 use torse::develop::unfold::allowance::KFactor;
-use torse::io::marks::{chosen, do_not_cut, FEW};
+use torse::io::marks::{chosen, do_not_cut, MOST_NAMED};
 use torse::io::words;
 use torse::pipeline::deliver;
 use torse::pipeline::workshop::{self, WorkshopError, WorkshopOptions};
@@ -198,7 +198,7 @@ fn warning(answer: &Answer) -> String {
         return "there is nothing to cut".into();
     }
     let names = answer.parts.iter().map(|p| p.name.as_str());
-    do_not_cut(&chosen(names, &Marks::of(answer).parts), answer.parts.len(), FEW)
+    do_not_cut(&chosen(names, &Marks::of(answer).parts), answer.parts.len(), MOST_NAMED)
 }
 
 #[cfg(test)]

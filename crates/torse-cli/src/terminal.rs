@@ -128,7 +128,7 @@ impl Stage {
     /// Time in a stage after which an estimate of its rest is worth something.
     const ESTIMATED: Duration = Duration::from_secs(4);
     /// Share of a stage of which the same is true.
-    const LEAST: f64 = 0.05;
+    const LEAST_SHARE: f64 = 0.05;
 
     fn new() -> Self {
         Self { name: String::new(), detail: String::new(), counted: false, begun: (Instant::now(), 0.0), done: 0.0 }
@@ -159,7 +159,7 @@ impl Stage {
     /// About how long the rest will take, once enough is done.
     fn rest(&self, now: Instant) -> Option<Duration> {
         let (since, share) = (now.saturating_duration_since(self.begun.0), self.done - self.begun.1);
-        let told = since >= Self::ESTIMATED && share >= Self::LEAST && self.done < 1.0;
+        let told = since >= Self::ESTIMATED && share >= Self::LEAST_SHARE && self.done < 1.0;
         told.then(|| since.mul_f64((1.0 - self.done) / share))
     }
 }

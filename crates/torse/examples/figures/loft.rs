@@ -12,7 +12,7 @@ use torse::brep::space_curve::SpaceCurve;
 use torse::control::Control;
 use torse::design::loft::branches::BranchType;
 use torse::draw::picture::{self, Caption};
-use torse::draw::raster::{Drawing, Line};
+use torse::draw::raster::{Drawing, PenLine};
 use torse::geom::{Frame, Vec2, Vec3};
 use torse::io::png;
 use torse::patchwork::part::Part;
@@ -105,7 +105,7 @@ fn subdivision() -> Drawing {
     for level in 0..5u32 {
         let shade = 0.75 - 0.18 * f64::from(level);
         let line = points.iter().map(|p| [p.x, p.y, 0.0]).collect();
-        drawing.lines.push(Line {
+        drawing.lines.push(PenLine {
             points: line,
             width: 1.6 + 0.4 * f64::from(level),
             colour: [shade, shade * 0.8, 0.9 - 0.6 * shade],

@@ -7,7 +7,7 @@ use std::path::Path;
 use torse::design::interpolate::{interpolate, EndRulings, Options};
 use torse::draw::camera::{Camera, Rect};
 use torse::draw::colour::{self, Rgb};
-use torse::draw::raster::{Drawing, Line, Paint, Vertex};
+use torse::draw::raster::{Drawing, Paint, PenLine, Vertex};
 use torse::draw::stroke_font;
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
@@ -389,11 +389,11 @@ impl Figure {
         }
         for (points, width, colour) in &self.lines {
             let points = points.iter().map(|p| camera.project_towards_eye(p, 0.002 * size)).collect();
-            drawing.lines.push(Line { points, width: *width, colour: *colour, alpha: 1.0 });
+            drawing.lines.push(PenLine { points, width: *width, colour: *colour, alpha: 1.0 });
         }
         for (p, colour) in &self.dots {
             let at = camera.project_towards_eye(p, 0.003 * size);
-            drawing.lines.push(Line {
+            drawing.lines.push(PenLine {
                 points: vec![at, [at[0] + 0.1, at[1], at[2]]],
                 width: 9.0,
                 colour: *colour,

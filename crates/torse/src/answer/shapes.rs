@@ -30,7 +30,7 @@ const PLANES: usize = 240;
 /// tell no more.
 const PER_STRIP: [usize; 2] = [40, 64];
 /// Most planes of a part; beyond it the shapes of a part are not looked for.
-const MOST: usize = 20_000;
+const MOST_PLANES: usize = 20_000;
 /// Noise as a share of the tolerance by the size: strips are fitted to a tenth of the tolerance and better.
 const NOISE_SHARE: f64 = 0.1;
 /// Least noise of the planes of fitted strips, rad.
@@ -62,7 +62,7 @@ fn part_shapes(name: &str, first: usize, strips: &[&Strip], tolerance: f64) -> O
     }
     let discrete = strips.iter().all(|s| s.kind == PanelKind::Plane);
     let per_strip = if discrete { 1 } else { (PLANES / strips.len()).clamp(PER_STRIP[0], PER_STRIP[1]) };
-    if per_strip * strips.len() > MOST {
+    if per_strip * strips.len() > MOST_PLANES {
         return None;
     }
     let bbox = strips.iter().map(|s| s.patch.bbox()).fold(BBox::empty(), |mut b, o| {

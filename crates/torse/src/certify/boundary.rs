@@ -71,7 +71,7 @@ pub(super) struct Boundary<'a> {
 
 /// A piece of a side: fractions of the side and parameters of the trimming curve at its ends.
 #[derive(Clone, Copy)]
-struct Piece {
+struct SidePart {
     f: (f64, f64),
     s: (f64, f64),
     depth: usize,
@@ -103,8 +103,8 @@ impl Boundary<'_> {
                 knots.iter().filter(|&&t| t > s0 && t < s1).map(|&t| (((t - s0) / (s1 - s0)).clamp(0.0, 1.0), t)),
             );
             cuts.push((1.0, s1));
-            let mut open: Vec<Piece> =
-                cuts.windows(2).map(|w| Piece { f: (w[0].0, w[1].0), s: (w[0].1, w[1].1), depth: 0 }).collect();
+            let mut open: Vec<SidePart> =
+                cuts.windows(2).map(|w| SidePart { f: (w[0].0, w[1].0), s: (w[0].1, w[1].1), depth: 0 }).collect();
             while let Some(piece) = open.pop() {
                 let at = |f: f64| {
                     // Rounded by a few ulps at most, which the enlarged boxes pay for.
@@ -121,8 +121,8 @@ impl Boundary<'_> {
                     let (f, s) = (0.5 * (piece.f.0 + piece.f.1), 0.5 * (piece.s.0 + piece.s.1));
                     let depth = piece.depth + 1;
                     if s > piece.s.0 && s < piece.s.1 {
-                        open.push(Piece { f: (piece.f.0, f), s: (piece.s.0, s), depth });
-                        open.push(Piece { f: (f, piece.f.1), s: (s, piece.s.1), depth });
+                        open.push(SidePart { f: (piece.f.0, f), s: (piece.s.0, s), depth });
+                        open.push(SidePart { f: (f, piece.f.1), s: (s, piece.s.1), depth });
                         continue;
                     }
                 }

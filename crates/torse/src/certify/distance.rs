@@ -37,7 +37,7 @@ use std::sync::{Mutex, OnceLock};
 /// Effort allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DistanceOptions {
-    /// Looks at triangles beyond two per triangle given; default 60 000.
+    /// Triangles tried, halves of others among them beyond two per triangle given; default 60 000.
     pub budget: usize,
 }
 
@@ -71,8 +71,8 @@ pub struct JudgementParts {
     pub regression_clearance: f64,
     /// Triangles accepted.
     pub cells: usize,
-    /// Looks at triangles.
-    pub looks: usize,
+    /// Triangles tried, halves of others among them.
+    pub tried: usize,
     /// What the foot map may fold over at the rim.
     pub(super) curl: Curl,
 }
@@ -255,7 +255,7 @@ pub(super) fn judge(
         let least = if matches!(verdict, Verdict::Holds { .. }) { f64::INFINITY } else { 0.0 };
         let (min_bend_radius, regression_clearance) = (least, least);
         let parts =
-            JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0, curl: Curl::NONE };
+            JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, tried: 0, curl: Curl::NONE };
         Judged { parts, feet: Feet::default(), bounds: Vec::new(), folds: Vec::new() }
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
@@ -291,7 +291,7 @@ pub(super) fn judge(
         tolerance,
         control,
         budget: options.budget + 2 * triangles.len(),
-        looks: AtomicUsize::new(0),
+        tried: AtomicUsize::new(0),
         stop: AtomicBool::new(false),
         failure: Mutex::new(None),
         rim: OnceLock::new(),
@@ -304,7 +304,7 @@ pub(super) fn judge(
         let rest: Vec<Vec<Accepted>> = parallel::map(others.iter(), examine);
         accepted.extend(rest.into_iter().flatten());
     }
-    let looks = search.looks.load(Ordering::Relaxed);
+    let tried = search.tried.load(Ordering::Relaxed);
     let failure = search.failure.into_inner().unwrap_or_else(|e| e.into_inner());
     let (feet, disagreement) = glue(&accepted);
     let verdict = failure
@@ -328,7 +328,7 @@ pub(super) fn judge(
         min_bend_radius: least(&|g| g.bend_radius),
         regression_clearance: least(&|g| g.clearance),
         cells: accepted.len(),
-        looks,
+        tried,
         curl: Curl::of(&accepted),
     };
     Judged { parts, feet, bounds, folds: Curl::of_each(&accepted) }
@@ -359,7 +359,7 @@ struct Search<'a> {
     tolerance: f64,
     control: &'a Control,
     budget: usize,
-    looks: AtomicUsize,
+    tried: AtomicUsize,
     stop: AtomicBool,
     failure: Mutex<Option<Verdict>>,
     rim: OnceLock<Rim>,
@@ -399,9 +399,9 @@ impl Search<'_> {
                 return accepted;
             }
             let uv = centroid(&cell.triangle);
-            let looks = self.looks.fetch_add(1, Ordering::Relaxed);
-            if looks >= self.budget || (looks % 256 == 255 && self.control.stopped()) {
-                let reason = if looks >= self.budget { Obstruction::Budget } else { Obstruction::Stopped };
+            let tried = self.tried.fetch_add(1, Ordering::Relaxed);
+            if tried >= self.budget || (tried % 256 == 255 && self.control.stopped()) {
+                let reason = if tried >= self.budget { Obstruction::Budget } else { Obstruction::Stopped };
                 self.fail(Verdict::Undecided { uv, reason });
                 return accepted;
             }
@@ -454,7 +454,7 @@ impl Search<'_> {
     /// Orientation of the foot map on most of the region, see [`Good::fold`]; sampled. Which triangles are taken whole
     /// depends on it, what is proven about them does not.
     fn orientation(&self) -> i32 {
-        const SOME: usize = 32;
+        const TRIANGLES_SEEN: usize = 32;
         let signed_area = |triangle: &[[f64; 2]; 3]| -> Option<f64> {
             let patch = self.prepared.patch_of(triangle)?;
             let (t, _) = Bench::new(self.family, patch, self.tolerance).quick(triangle, None)?;
@@ -468,7 +468,7 @@ impl Search<'_> {
             Some(across * slope.signum() * area)
         };
         *self.orientation.get_or_init(|| {
-            let step = self.triangles.len().div_ceil(SOME).max(1);
+            let step = self.triangles.len().div_ceil(TRIANGLES_SEEN).max(1);
             let sum: f64 = self.triangles.iter().step_by(step).filter_map(signed_area).sum();
             if sum < 0.0 {
                 -1
@@ -538,14 +538,14 @@ impl Cell {
 /// Of some triangles the one whose foot is nearest to the middle of the torse's domain: should the torse come round
 /// again, it does so near its ends.
 fn middlemost(prepared: &Prepared, family: &Family, triangles: &[[[f64; 2]; 3]], tolerance: f64) -> usize {
-    const SOME: usize = 8;
+    const TRIANGLES_SEEN: usize = 8;
     let (t0, t1) = family.domain();
     let off = |i: &usize| {
         let triangle = &triangles[*i];
         let foot = prepared.patch_of(triangle).and_then(|p| Bench::new(family, p, tolerance).quick(triangle, None));
         foot.map_or(f64::INFINITY, |(t, _)| (t - 0.5 * (t0 + t1)).abs())
     };
-    let step = triangles.len().div_ceil(SOME).max(1);
+    let step = triangles.len().div_ceil(TRIANGLES_SEEN).max(1);
     (0..triangles.len()).step_by(step).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
 }
 

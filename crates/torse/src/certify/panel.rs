@@ -269,7 +269,7 @@ impl Region<'_> {
                 reasons.push(PanelFault::TooFar { away, at, left: (!far).then_some(left) });
             }
             Verdict::Undecided { uv, reason } => {
-                reasons.push(PanelFault::Resists(*reason, at(self.prepared.surface, *uv)));
+                reasons.push(PanelFault::Obstructed(*reason, at(self.prepared.surface, *uv)));
             }
         }
         out.cells = judged.parts.cells;

@@ -59,7 +59,7 @@ impl Along {
 
 /// A piece of a closed line, straight in the parameters of one span.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub(crate) struct SpanChord {
     /// The span.
     pub span: usize,
     /// First and last place: share of the span and way along the ruling, mm.
@@ -79,7 +79,7 @@ pub(crate) struct Stretch<'a> {
     /// Where the rulings are on the patch, one more than spans.
     pub places: Vec<Along>,
     /// Closed lines with the number of the border that belongs to each.
-    pub lines: Vec<(usize, Vec<Piece>)>,
+    pub lines: Vec<(usize, Vec<SpanChord>)>,
     /// The patch.
     pub surface: &'a Surface,
     /// Closed polygons of its parameters that bound the panel.
@@ -137,8 +137,9 @@ pub(crate) fn distance(stretch: &Stretch, control: &Control) -> Result<UpperBoun
         worst = bent[k].max(worst);
     }
     worst = bent.iter().copied().fold(worst, worse);
-    let pieces: Vec<(usize, &Piece)> = stretch.lines.iter().flat_map(|(b, l)| l.iter().map(move |p| (*b, p))).collect();
-    let of = |(border, piece): (usize, &Piece), bent: f64, n: usize| {
+    let pieces: Vec<(usize, &SpanChord)> =
+        stretch.lines.iter().flat_map(|(b, l)| l.iter().map(move |p| (*b, p))).collect();
+    let of = |(border, piece): (usize, &SpanChord), bent: f64, n: usize| {
         sum(&[bent, judge.to_border(piece, &stretch.borders[border], n * n), judge.to_drawing(piece)])
     };
     let mut whole: Vec<f64> = parallel::map(pieces.iter(), |p| of(*p, bent[p.1.span], 1));
@@ -264,7 +265,7 @@ impl<'a> Judge<'a> {
             let corners = self.asked.borders[*border].len() as f64;
             let (Some(first), Some(last)) = (line.first(), line.last()) else { return Err(Unshown::Lines) };
             let around = (last.border[1] - first.border[0]).abs();
-            let follows = |a: &Piece, b: &Piece, turn: f64| {
+            let follows = |a: &SpanChord, b: &SpanChord, turn: f64| {
                 let ([_, [s, v]], [[t, w], _]) = (a.ends, b.ends);
                 let same = a.span == b.span && s == t
                     || a.span + 1 == b.span && s == 1.0 && t == 0.0
@@ -273,16 +274,16 @@ impl<'a> Judge<'a> {
             };
             let turn = last.border[1] - first.border[0];
             let closed = line.windows(2).all(|w| follows(&w[0], &w[1], 0.0)) && follows(last, first, turn);
-            let inside = |p: &Piece| p.ends.iter().all(|e| (0.0..=1.0).contains(&e[0]));
+            let inside = |p: &SpanChord| p.ends.iter().all(|e| (0.0..=1.0).contains(&e[0]));
             // All lines run with their borders, or all against them.
             let alike = *sense.get_or_insert(turn > 0.0) == (turn > 0.0);
             if !closed || !alike || (around - corners).abs() > ONE_PLACE || !line.iter().all(inside) {
                 return Err(Unshown::Lines);
             }
         }
-        let mut lines: Vec<&(usize, Vec<Piece>)> = self.asked.lines.iter().collect();
+        let mut lines: Vec<&(usize, Vec<SpanChord>)> = self.asked.lines.iter().collect();
         lines.sort_by_key(|l| l.0);
-        let corner = |p: &Piece| [p.span as f64 + p.ends[0][0], p.ends[0][1]];
+        let corner = |p: &SpanChord| [p.span as f64 + p.ends[0][0], p.ends[0][1]];
         let polygons: Vec<Vec<[f64; 2]>> = lines.iter().map(|l| l.1.iter().map(corner).collect()).collect();
         if used.iter().all(|u| *u) && polygons_are_simple(&polygons).is_ok() {
             Ok(())
@@ -487,7 +488,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Bound of the images of the segments between a piece and its stretch of the border, in so many parts between corners.
-    fn to_border(&self, piece: &Piece, border: &[[f64; 2]], parts: usize) -> f64 {
+    fn to_border(&self, piece: &SpanChord, border: &[[f64; 2]], parts: usize) -> f64 {
         let [from, to] = piece.border;
         let n = border.len() as i64;
         let on_border = |x: f64| {
@@ -543,7 +544,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Bound of the distance between a piece laid in the plane and what is drawn for it.
-    fn to_drawing(&self, piece: &Piece) -> f64 {
+    fn to_drawing(&self, piece: &SpanChord) -> f64 {
         let Some(drawn) = piece.drawn else { return 0.0 };
         let s = &self.asked.spans[piece.span];
         let off = |k: usize| {

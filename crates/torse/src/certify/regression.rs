@@ -114,11 +114,11 @@ pub(crate) fn margin_bound(strip: &Strip, asked: f64) -> LowerBound {
 /// but no more than some ten diagonals of the strip; 0 if none could be shown.
 pub(crate) fn clearance_bound(strip: &Strip) -> LowerBound {
     // More than this many diagonals says no more than that rulings are as good as parallel, and takes long to prove.
-    const MOST: f64 = 10.0;
+    const MOST_DIAGONALS: f64 = 10.0;
     let (from, to) = strip.domain();
     let sampled = (0..=LOOKS)
         .map(|k| strip.regression_clearance(from + (to - from) * k as f64 / LOOKS as f64))
-        .fold(MOST * strip.patch.bbox().diagonal(), f64::min);
+        .fold(MOST_DIAGONALS * strip.patch.bbox().diagonal(), f64::min);
     let proven = |c: f64| {
         let limits = RegressionLimits { clearance: c, zones: Vec::new() };
         regression(strip, &limits) == RegressionVerdict::Clear

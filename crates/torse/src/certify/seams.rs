@@ -45,9 +45,9 @@ pub(super) fn length_difference([a, b]: [SeamSide; 2], turned: bool, tolerance: 
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
     let over = |s0: f64, s1: f64| {
-        length_difference_over([a, b], turned, [s0, s1]).map(|(known, spread)| Piece { s0, s1, known, spread })
+        length_difference_over([a, b], turned, [s0, s1]).map(|(known, spread)| SeamPiece { s0, s1, known, spread })
     };
-    let mut pieces: Vec<Piece> = cuts.windows(2).map(|w| over(w[0], w[1])).collect::<Option<_>>()?;
+    let mut pieces: Vec<SeamPiece> = cuts.windows(2).map(|w| over(w[0], w[1])).collect::<Option<_>>()?;
     let most = LENGTH_LOOKS * pieces.len();
     let mut looks = pieces.len();
     // The worst first: enclosures that do not narrow would be halved everywhere.
@@ -69,7 +69,7 @@ pub(super) fn length_difference([a, b]: [SeamSide; 2], turned: bool, tolerance: 
 }
 
 /// A piece of both sides of a seam.
-struct Piece {
+struct SeamPiece {
     s0: f64,
     s1: f64,
     /// What the ends tell of the difference of lengths, and by how much it may be off, mm.

@@ -35,7 +35,7 @@ const BOX_ROUNDS: usize = 12;
 
 /// A cubic piece in coordinates scaled to the unit square.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct PlanarCubic {
     c: [[f64; 2]; 4],
     /// Number of the loop.
     group: u32,
@@ -75,18 +75,18 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), Refu
                 return Err(LoopFault::PolygonNoExtent.into());
             }
             if (0..2).any(|d| (a[d] - b[d]).abs() > MARGIN) {
-                rings.push(Piece { c, group: group as u32 });
+                rings.push(PlanarCubic { c, group: group as u32 });
             }
         }
     }
-    if (0..polygons.len()).any(|g| !rings.iter().any(|r: &Piece| r.group as usize == g)) {
+    if (0..polygons.len()).any(|g| !rings.iter().any(|r: &PlanarCubic| r.group as usize == g)) {
         return Err(LoopFault::NoSides.into());
     }
     rings_are_simple(rings, polygons.len(), STRAIGHT_ROUNDS).map_err(|r| r.unscaled(&scale))
 }
 
 /// Whether closed rings of pieces in the unit square are simple; places of refusals are places there.
-fn rings_are_simple(mut rings: Vec<Piece>, loops: usize, rounds: usize) -> Result<(), Refusal> {
+fn rings_are_simple(mut rings: Vec<PlanarCubic>, loops: usize, rounds: usize) -> Result<(), Refusal> {
     let most = PIECES + 10 * rings.len();
     let mut last = None;
     let mut fresh = vec![true; rings.len()];
@@ -130,8 +130,8 @@ pub(super) fn leaves(curve: &Curve<2>, low: [f64; 2], high: [f64; 2]) -> Option<
         return Some(*out);
     }
     let pieces = bezier_pieces(curve).into_iter();
-    let mut open: Vec<(Piece, usize)> =
-        pieces.map(|(_, _, b)| (Piece { c: [b[0], b[1], b[2], b[3]], group: 0 }, 0)).collect();
+    let mut open: Vec<(PlanarCubic, usize)> =
+        pieces.map(|(_, _, b)| (PlanarCubic { c: [b[0], b[1], b[2], b[3]], group: 0 }, 0)).collect();
     while let Some((p, depth)) = open.pop() {
         if p.c.iter().all(|c| within(c, BOX_MARGIN)) {
             continue;
@@ -184,7 +184,7 @@ impl Scale {
 }
 
 /// All pieces in order, scaled; checks that the curves join bit by bit.
-fn gather(loops: &[Vec<&Curve<2>>], scale: &Scale) -> Result<Vec<Piece>, Refusal> {
+fn gather(loops: &[Vec<&Curve<2>>], scale: &Scale) -> Result<Vec<PlanarCubic>, Refusal> {
     let place = |p: &[f64; 2]| scale.to(p);
     let mut out = Vec::new();
     for (group, l) in loops.iter().enumerate() {
@@ -206,7 +206,7 @@ fn gather(loops: &[Vec<&Curve<2>>], scale: &Scale) -> Result<Vec<Piece>, Refusal
                 if c.iter().flatten().any(|x| !x.is_finite()) {
                     return Err(LoopFault::NoExtent.into());
                 }
-                out.push(Piece { c, group: group as u32 });
+                out.push(PlanarCubic { c, group: group as u32 });
             }
         }
     }
@@ -216,7 +216,7 @@ fn gather(loops: &[Vec<&Curve<2>>], scale: &Scale) -> Result<Vec<Piece>, Refusal
     Ok(out)
 }
 
-impl Piece {
+impl PlanarCubic {
     fn halves(&self) -> [Self; 2] {
         let mid = |p: [f64; 2], q: [f64; 2]| [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
         let [a, b, c, d] = self.c;
@@ -297,7 +297,7 @@ fn unit(v: [f64; 2]) -> [f64; 2] {
 ///
 /// # Errors
 /// Where two cross.
-fn conflicts(rings: &[Piece], fresh: &[bool]) -> Result<Vec<bool>, [f64; 2]> {
+fn conflicts(rings: &[PlanarCubic], fresh: &[bool]) -> Result<Vec<bool>, [f64; 2]> {
     let n = rings.len();
     let mut marks = vec![false; n];
     // Successors along each loop.
@@ -349,7 +349,7 @@ fn conflicts(rings: &[Piece], fresh: &[bool]) -> Result<Vec<bool>, [f64; 2]> {
 }
 
 /// Outer loop and holes turn in opposite senses, and the holes are inside.
-fn nested(rings: &[Piece], loops: usize) -> Result<(), Refusal> {
+fn nested(rings: &[PlanarCubic], loops: usize) -> Result<(), Refusal> {
     let polygon =
         |g: usize| -> Vec<[f64; 2]> { rings.iter().filter(|p| p.group as usize == g).map(|p| p.c[0]).collect() };
     let outer = polygon(0);

@@ -32,7 +32,7 @@ const DEEPEST: usize = 14;
 /// The same about the apex of a cone.
 const DEEPEST_AT_APEX: usize = 48;
 /// Share of the tolerance below which a bound needs no better one.
-const ENOUGH: f64 = 0.25;
+const GOOD_BOUND: f64 = 0.25;
 /// The same about the apex of a cone, where it takes few parts.
 const NOTHING: f64 = 1e-6;
 /// Else parts are halved until bounds exceed what is seen in their middle by no more than this share of the tolerance.
@@ -105,7 +105,7 @@ fn part(
         Some(_) => (at_apex, [depth, at_apex.saturating_sub(1)]),
         None => (depth, [depth.saturating_sub(1), at_apex]),
     };
-    let enough = if apex.is_some() { NOTHING } else { ENOUGH } * tolerance;
+    let enough = if apex.is_some() { NOTHING } else { GOOD_BOUND } * tolerance;
     if bound <= enough.max(elsewhere) || left == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
         return bound;
     }

@@ -126,7 +126,7 @@ impl Judge<'_> {
         let Some(elements) = elements(edge) else { return f64::INFINITY };
         let Some(last) = elements.last() else { return f64::INFINITY };
         let mut bound = 0.0_f64;
-        let mut queue: Vec<Piece> = Vec::new();
+        let mut queue: Vec<ChordPart> = Vec::new();
         // 1. What sides follow.
         for s in &sides {
             queue.extend(self.pieces(s, &elements));
@@ -209,7 +209,7 @@ impl Judge<'_> {
     }
 
     /// A side cut where the edge has knots and where the surface has.
-    fn pieces(&self, side: &Side, elements: &[Element]) -> Vec<Piece> {
+    fn pieces(&self, side: &Side, elements: &[Element]) -> Vec<ChordPart> {
         let surface = &self.face.surface;
         let [a, b] = side.corners;
         let at = |s: f64| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])];
@@ -256,7 +256,7 @@ impl Judge<'_> {
     }
 
     /// The greatest distance on pieces, halved while they may hold more than was seen.
-    fn refined(&self, mut open: Vec<Piece>, elements: &[Element], seen: f64) -> f64 {
+    fn refined(&self, mut open: Vec<ChordPart>, elements: &[Element], seen: f64) -> f64 {
         let (mut bound, mut seen, mut count) = (0.0_f64, seen, open.len());
         while let Some(p) = open.pop() {
             let Some(e) = elements.get(p.element) else { return f64::INFINITY };
@@ -272,14 +272,14 @@ impl Judge<'_> {
             }
             count += 1;
             let (m, t) = middle;
-            open.push(Piece { corners: [p.corners[0], m], t: [p.t[0], t], depth: p.depth + 1, ..p });
-            open.push(Piece { corners: [m, p.corners[1]], t: [t, p.t[1]], depth: p.depth + 1, ..p });
+            open.push(ChordPart { corners: [p.corners[0], m], t: [p.t[0], t], depth: p.depth + 1, ..p });
+            open.push(ChordPart { corners: [m, p.corners[1]], t: [t, p.t[1]], depth: p.depth + 1, ..p });
         }
         bound
     }
 
     /// Bounds of the distance over a piece and at its ends, and where to halve it.
-    fn piece(&self, p: &Piece, e: &Element) -> (f64, f64, ([f64; 2], f64)) {
+    fn piece(&self, p: &ChordPart, e: &Element) -> (f64, f64, ([f64; 2], f64)) {
         let surface = &self.face.surface;
         let [a, b] = p.corners;
         let m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
@@ -311,7 +311,7 @@ impl Judge<'_> {
 
 /// A part of a side over which edge and surface are one polynomial each.
 #[derive(Clone, Copy)]
-struct Piece {
+struct ChordPart {
     corners: [[f64; 2]; 2],
     element: usize,
     /// Parameters of the edge at the corners.
@@ -320,7 +320,7 @@ struct Piece {
 }
 
 /// The parts of a chord between two places, one for each element that they meet.
-fn across(elements: &[Element], corners: [[f64; 2]; 2], places: [f64; 2]) -> Vec<Piece> {
+fn across(elements: &[Element], corners: [[f64; 2]; 2], places: [f64; 2]) -> Vec<ChordPart> {
     let (lo, hi) = (places[0].min(places[1]), places[0].max(places[1]));
     let meets = |e: &&(usize, &Element)| e.1.places[0] < hi && e.1.places[1] > lo;
     let all: Vec<(usize, &Element)> = elements.iter().enumerate().collect();
@@ -338,7 +338,7 @@ fn across(elements: &[Element], corners: [[f64; 2]; 2], places: [f64; 2]) -> Vec
     for (k, (element, e)) in found.into_iter().enumerate() {
         let t = places.map(|p| e.parameter(place(e, p)));
         // Where the feet of several knots fell together the chord stays at its last corner.
-        out.push(Piece { corners: [corners[usize::from(k > 0)], corners[1]], element, t, depth: 0 });
+        out.push(ChordPart { corners: [corners[usize::from(k > 0)], corners[1]], element, t, depth: 0 });
     }
     out
 }

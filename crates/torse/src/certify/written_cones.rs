@@ -34,12 +34,12 @@ const ROUNDING: f64 = 1e-11;
 /// Compares the faces of a STEP file with the bodies that were judged. The bound is that of the distance of surfaces,
 /// edges and vertices from the segments.
 pub fn cones(bodies: &[ConeBody], faces: &[WrittenExact]) -> WrittenCertificate {
-    let all: Vec<Piece> = bodies.iter().flat_map(Piece::of_body).collect();
+    let all: Vec<ExactFace> = bodies.iter().flat_map(ExactFace::of_body).collect();
     if all.len() != faces.len() {
         let (found, wanted) = (faces.len(), all.len());
         return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Pieces }.into()));
     }
-    let one = |(piece, face): (&Piece, &WrittenExact)| {
+    let one = |(piece, face): (&ExactFace, &WrittenExact)| {
         if face.name != piece.name {
             return Err(misnamed(face.entity, &face.name, &piece.name));
         }
@@ -50,14 +50,14 @@ pub fn cones(bodies: &[ConeBody], faces: &[WrittenExact]) -> WrittenCertificate 
 }
 
 /// What a face stands for.
-struct Piece<'a> {
+struct ExactFace<'a> {
     name: String,
     segment: Segment,
     /// The trimmed chain and the number of the piece in it; none for whole segments.
     part: Option<(&'a ConePart, usize)>,
 }
 
-impl<'a> Piece<'a> {
+impl<'a> ExactFace<'a> {
     fn of_body(body: &'a ConeBody) -> Vec<Self> {
         let named = |i: usize, s: &Segment| format!("{}-{:02} {}", body.name, i + 1, s.shape.name());
         match &body.part {
@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn patches_lie_on_their_carriers_and_by_as_much_off_others() {
+    fn patches_lie_on_their_surfaces_and_by_as_much_off_others() {
         for shape in [
             Shape::Cone { distance: 100.0, cos_gamma: 0.8, sin_gamma: 0.6, angle: 0.7 },
             Shape::Cone { distance: -100.0, cos_gamma: 0.6, sin_gamma: 0.8, angle: -0.6 },

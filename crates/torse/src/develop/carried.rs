@@ -93,7 +93,7 @@ const PER_SPAN: (usize, usize) = (2, 400);
 /// Halvings with which ends are found: what doubles can tell.
 const HALVINGS: usize = 48;
 /// Points of one curve on one part that are looked for between its first ones at most.
-const MOST: usize = 20_000;
+const MOST_POINTS: usize = 20_000;
 /// Halvings of a chord at most.
 const DEEPEST: usize = 20;
 /// Shares of a chord at which it is compared with the image.
@@ -243,7 +243,7 @@ impl Target {
             let before = spots.last().copied();
             spots.push(self.spot(*s, path.point(*s), before.as_ref(), (options.within, options.skin)));
         }
-        let mut walk = Walk { target: self, path, options, lines: vec![Vec::new()], left: MOST };
+        let mut walk = Walk { target: self, path, options, lines: vec![Vec::new()], left: MOST_POINTS };
         for w in spots.windows(2) {
             walk.stretch(&w[0], &w[1], 0);
         }

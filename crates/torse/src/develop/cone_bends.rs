@@ -1,7 +1,7 @@
 //! How the sheet of a chain of cones bends: lines about which it turns by equal angles, drawn inside the outline, with their
 //! radii. Where one piece passes into the next nothing bends more than elsewhere.
 
-use super::bends::{self, BendSpacing, Line, Plane, Ruling, TurnProfile};
+use super::bends::{self, BendSpacing, Plane, ProfileLine, Ruling, TurnProfile};
 use super::cones::develop;
 use super::shop::roll::outlines;
 use super::shop::sections::clipped;
@@ -45,13 +45,13 @@ pub(crate) fn draw_bends(pattern: &mut Pattern, spline: &ConeSpline, part: Optio
     if profile.len() < 2 {
         return;
     }
-    let place = |line: &Line| {
+    let place = |line: &ProfileLine| {
         let [(j, a), (k, b)] = profile.around(line.after)?;
         // A segment begins where the one before ends.
         let a = if j == k { a } else { 0.0 };
         Some((k, a + (b - a) * line.share))
     };
-    let exact = |line: &Line, _| {
+    let exact = |line: &ProfileLine, _| {
         let (k, f) = place(line)?;
         let (segment, flat) = (spline.segments.get(k)?, flats.get(k)?);
         let ends = [segment.edge(0, f), segment.edge(1, f)];

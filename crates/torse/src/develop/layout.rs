@@ -18,7 +18,7 @@ const ASPECT: (f64, f64) = (1.0, 2.6);
 /// Lengths of the sheet that are tried within these.
 const TRIALS: usize = 24;
 /// Patterns above which fewer lengths are tried: the work grows with the square of their number.
-const MANY: usize = 500;
+const MANY_PATTERNS: usize = 500;
 
 /// Places every pattern, long side along x, without overlap: first placement for the first pattern and so on.
 /// The drawing begins at the origin and lies in the first quadrant. Patterns are at least 10 mm and a fiftieth of the
@@ -31,7 +31,7 @@ pub fn layout(patterns: &[Pattern]) -> Vec<Placement> {
     let gap = GAP.max(GAP_SHARE * longest);
     let area: f64 = boxes.iter().map(|b| (b.length + gap) * (b.width + gap)).sum();
     let orders = [order(&boxes, |b| b.width), order(&boxes, |b| b.length), order(&boxes, |b| b.length * b.width)];
-    let trials = if boxes.len() > MANY { 3 } else { TRIALS };
+    let trials = if boxes.len() > MANY_PATTERNS { 3 } else { TRIALS };
     let mut best: Option<(f64, Vec<Vec2>)> = None;
     for k in 0..trials {
         let aspect = ASPECT.0 + (ASPECT.1 - ASPECT.0) * k as f64 / (trials - 1) as f64;

@@ -27,14 +27,14 @@ const ALONG: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub struct Development {
     patch: Surface,
-    pieces: Vec<Piece>,
+    pieces: Vec<ChebyshevPiece>,
     /// +1 if the plane is seen from the side of R_t × R_r reversed, see [`Development::new`].
     side: f64,
 }
 
 /// Chebyshev series of angle and directrix on [a, b].
 #[derive(Clone, Debug)]
-struct Piece {
+struct ChebyshevPiece {
     a: f64,
     b: f64,
     angle: [f64; N + 1],
@@ -110,7 +110,7 @@ impl Development {
                 stack.push((a, m, depth + 1));
                 continue;
             }
-            let piece = Piece { a, b, angle: angles, x: integral(&vx, place.x), y: integral(&vy, place.y) };
+            let piece = ChebyshevPiece { a, b, angle: angles, x: integral(&vx, place.x), y: integral(&vy, place.y) };
             angle = clenshaw(&piece.angle, 1.0);
             place = Vec2::new(clenshaw(&piece.x, 1.0), clenshaw(&piece.y, 1.0));
             out.pieces.push(piece);
@@ -188,7 +188,7 @@ impl Development {
         self.pieces.iter().flat_map(|p| INSIDE.map(|x| p.a + (p.b - p.a) * x))
     }
 
-    fn locate(&self, t: f64) -> (&Piece, f64) {
+    fn locate(&self, t: f64) -> (&ChebyshevPiece, f64) {
         let k = self.pieces.partition_point(|p| p.b < t).min(self.pieces.len() - 1);
         let p = &self.pieces[k];
         (p, ((t - p.a) - (p.b - t)) / (p.b - p.a))

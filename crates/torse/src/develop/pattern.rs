@@ -4,7 +4,7 @@
 //! 3.1 (closed contours, arcs instead of many points, seams marked on both neighbours at equal places).
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, BendSpacing, Line, Plane, Ruling, TurnProfile};
+use super::bends::{self, BendSpacing, Plane, ProfileLine, Ruling, TurnProfile};
 use super::map::Development;
 use super::outline::{outside, FlatCoedge};
 use super::overlap::{overlap, OutlinePoint};
@@ -283,8 +283,8 @@ fn bend_lines(
             before = Some((t, plane, x));
         }
     }
-    let place = |line: &Line| profile.around(line.after).map(|[a, b]| a + (b - a) * line.share);
-    let exact = |line: &Line, _| ruling(development, patch, place(line)?, side);
+    let place = |line: &ProfileLine| profile.around(line.after).map(|[a, b]| a + (b - a) * line.share);
+    let exact = |line: &ProfileLine, _| ruling(development, patch, place(line)?, side);
     let draw = |asked: &BendSpacing| {
         let (mut rulings, mut bent) = (Vec::new(), Vec::new());
         for line in bends::dense(&profile, profile.lines(asked, spacing.1), asked, spacing.1, &exact) {

@@ -13,7 +13,7 @@ const GENTLE: f64 = 0.02;
 /// Share of the curvature at a point and beside it by which the former may differ from what the latter lets expect.
 const AGREES: f64 = 0.6;
 /// Pieces of a stretch at most.
-const MOST: f64 = 64.0;
+const MOST_PIECES: f64 = 64.0;
 /// Sagitta of an arc as a share of its chord and the angle (rad) between both at its end.
 const SAGITTA: f64 = 0.25;
 
@@ -75,7 +75,7 @@ fn stretch([p, q]: [Vec2; 2], tangents: [Option<Vec2>; 2], chord: f64) -> Vec<Ve
     let length = d.norm();
     let angle = |t: &Vec2| d.perp(t).atan2(d.dot(t)).abs();
     let sagitta = SAGITTA * length * angle(&s).max(angle(&t));
-    let pieces = (sagitta / chord).sqrt().ceil().clamp(1.0, MOST) as usize;
+    let pieces = (sagitta / chord).sqrt().ceil().clamp(1.0, MOST_PIECES) as usize;
     let (a, b) = (p + s * (length / 3.0), q - t * (length / 3.0));
     (1..pieces)
         .map(|k| {

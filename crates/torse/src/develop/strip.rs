@@ -4,7 +4,7 @@
 //! before. Outline as lines and arcs, rulings, marks at equal lengths along both rails.
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, Line, Plane, Ruling, TurnProfile};
+use super::bends::{self, Plane, ProfileLine, Ruling, TurnProfile};
 use super::map::Development;
 use super::overlap::{overlap, OutlinePoint};
 use super::view::Drawn;
@@ -57,13 +57,13 @@ const CORNER: f64 = 1e-6;
 /// Marks over a pattern where no spacing is given.
 const MARKS: f64 = 8.0;
 /// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
-const MOST: f64 = 4000.0;
+const MOST_DRAWN: f64 = 4000.0;
 /// Lines and marks up to this share of the length are drawn; one beyond would be the end itself, rounded.
 const BEFORE_END: f64 = 1.0 - 1e-9;
 
 /// The least distance between rulings or marks on a pattern whose longer side is so long.
 pub(crate) fn least_spacing(length: f64) -> f64 {
-    length / MOST
+    length / MOST_DRAWN
 }
 
 /// Samples per span for lengths along the middle.
@@ -339,9 +339,9 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
     }
     let spacing = &options.drawn.bends;
     let total = profile.length();
-    let mut lines: Vec<Line> = match options.ruling_spacing.filter(|s| *s > 0.0) {
+    let mut lines: Vec<ProfileLine> = match options.ruling_spacing.filter(|s| *s > 0.0) {
         Some(spacing) => {
-            let step = spacing.max(total / MOST);
+            let step = spacing.max(total / MOST_DRAWN);
             let lengths = (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * BEFORE_END && step > 0.0);
             profile.lines_at(&lengths.collect::<Vec<_>>(), size)
         }
@@ -349,14 +349,14 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
     };
     // Lines beside a joint are left out; the joint itself is drawn.
     let near = 0.5 * spacing.least * size;
-    let joined: Vec<Line> = joints.iter().map(|step| profile.within(*step)).collect();
-    let apart = |a: &Line, b: &Line| (profile.length_at(a) - profile.length_at(b)).abs() > near;
+    let joined: Vec<ProfileLine> = joints.iter().map(|step| profile.within(*step)).collect();
+    let apart = |a: &ProfileLine, b: &ProfileLine| (profile.length_at(a) - profile.length_at(b)).abs() > near;
     lines.retain(|l| joined.iter().all(|j| apart(l, j)));
     lines.extend(&joined);
     lines.sort_by(|a, b| a.place().total_cmp(&b.place()));
     lines = profile.parted(lines, size);
     if options.ruling_spacing.is_none() {
-        let exact = |line: &Line, behind| exact(laid, &profile, line, (behind, options.side));
+        let exact = |line: &ProfileLine, behind| exact(laid, &profile, line, (behind, options.side));
         lines = bends::dense(&profile, lines, spacing, size, &exact);
     }
     let in_planes: Vec<bool> = lines.iter().map(|l| joints.contains(&l.after)).collect();
@@ -367,7 +367,7 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
 fn exact(
     laid: &[Laid],
     profile: &TurnProfile<(usize, f64)>,
-    line: &Line,
+    line: &ProfileLine,
     (behind, side): (bool, f64),
 ) -> Option<Ruling> {
     let [(k, a), (m, b)] = profile.around(line.after)?;
@@ -388,7 +388,7 @@ fn exact(
 fn drawn_lines(
     laid: &[Laid],
     profile: &TurnProfile<(usize, f64)>,
-    lines: impl Iterator<Item = (Line, bool)>,
+    lines: impl Iterator<Item = (ProfileLine, bool)>,
     inset: f64,
 ) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let mut out = (Vec::new(), Vec::new());
@@ -445,7 +445,7 @@ fn marks(laid: &[Laid], spacing: Option<f64>, sign: f64) -> Vec<Mark> {
     for (v, letter) in [(0.0, 'A'), (1.0, 'B')] {
         let stations = stations(laid, v);
         let total = stations.last().map_or(0.0, |s| s.2);
-        let step = spacing.filter(|s| *s > 0.0).unwrap_or(total / MARKS).max(total / MOST);
+        let step = spacing.filter(|s| *s > 0.0).unwrap_or(total / MARKS).max(total / MOST_DRAWN);
         let mut k = 1;
         while step > 0.0 && step * f64::from(k) < total * BEFORE_END {
             let (i, u) = at_length(&stations, step * f64::from(k));

@@ -15,7 +15,7 @@ use crate::patchwork::pattern::{BendSense, Contour, ContourVertex, MarkLine, Pat
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// One entry per pattern.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<DrawnPattern>,
     /// Smallest x and y of anything drawn.
     pub min: Vec2,
     /// Largest x and y of anything drawn.
@@ -37,7 +37,7 @@ pub struct TestSquare {
 
 /// One pattern as drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Piece {
+pub struct DrawnPattern {
     /// Name of the panel.
     pub name: String,
     /// Outer outline, closed.
@@ -64,7 +64,7 @@ pub struct Piece {
     pub marked: bool,
 }
 
-impl Piece {
+impl DrawnPattern {
     /// Strokes of all that is written on it.
     pub fn strokes(&self) -> impl Iterator<Item = Vec<Vec2>> + '_ {
         Lettering::all(&self.texts)
@@ -229,7 +229,7 @@ fn extend(contour: &Contour, low: &mut Vec2, high: &mut Vec2) {
 /// One pattern as drawn.
 #[derive(Default)]
 struct Drawn {
-    piece: Piece,
+    piece: DrawnPattern,
     /// Its outlines as polygons.
     outlines: Vec<Vec<Vec2>>,
     /// What has no room on it: its name, and the words below it.
@@ -247,7 +247,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, index): (bool, usize
     let line = |l: &[Vec2; 2]| l.map(|p| placement.apply(&p));
     let marked_line = |l: &MarkLine| l.moved(|p| placement.apply(p), false);
     let mut contours = pattern.contours.iter().map(contour);
-    let mut piece = Piece {
+    let mut piece = DrawnPattern {
         name: pattern.name.clone(),
         outer: contours.next(),
         inner: contours.collect(),
@@ -258,7 +258,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, index): (bool, usize
         sections: pattern.sections.iter().map(marked_line).collect(),
         curves: pattern.curves.iter().map(marked_line).collect(),
         marked,
-        ..Piece::default()
+        ..DrawnPattern::default()
     };
     // Of the length and of the mean width.
     let long = pattern.length.max(pattern.area.sqrt());
@@ -390,14 +390,14 @@ fn places_behind(label: &str, foot: Vec2, tip: Vec2, height: f64) -> impl Iterat
 }
 
 /// A line of words: what it says, its height, and how far above the middle of the circle it stands.
-type Line<'a> = (&'a str, f64, f64);
+type SizedWords<'a> = (&'a str, f64, f64);
 
 /// The words in the free circle of a part: its name, and in smaller lines its name in the model, the job, from where it is seen
 /// and how large it is; and across it that it must not be cut. They shrink together until they are clear of cuts and marks;
 /// where they never are, each is left out that is not, but for the words that it must not be cut. Whether the name has room: where
 /// it has none, the lines are left out too.
 fn words(labels: &mut Labels, name: &str, lines: &[&str], (place, room): (Vec2, f64), marked: bool) -> bool {
-    let stood = |(text, height, up): Line<'_>, share: f64| {
+    let stood = |(text, height, up): SizedWords<'_>, share: f64| {
         let place = TextPlace { middle: place + Vec2::new(0.0, up * share), along: Vec2::x(), height: height * share };
         (text.to_owned(), place)
     };
@@ -423,7 +423,7 @@ fn words(labels: &mut Labels, name: &str, lines: &[&str], (place, room): (Vec2, 
 }
 
 /// Words below each other in a circle of radius `room`, the name in its middle.
-fn stacked<'a>(name: &'a str, lines: &[&'a str], room: f64, marked: bool) -> Vec<Line<'a>> {
+fn stacked<'a>(name: &'a str, lines: &[&'a str], room: f64, marked: bool) -> Vec<SizedWords<'a>> {
     let width = |text: &str| stroke_font::width(text, 1.0).max(1.0);
     let height = (NAME_SHARE * room).min(NAME_WIDTH * room / width(name)).min(NAME_HEIGHT);
     let mut out = vec![(name, height, 0.0)];

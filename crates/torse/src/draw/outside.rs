@@ -162,7 +162,7 @@ fn feet(outline: &[Vec2]) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::drawing::{drawing, DrawingOptions, Piece};
+    use crate::draw::drawing::{drawing, DrawingOptions, DrawnPattern};
     use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, Placement};
 
     /// A strip of 1000 mm, so narrow that no name is legible on it.
@@ -204,7 +204,7 @@ mod tests {
     fn narrow_parts_are_named_beside_clear_of_all_cuts_and_of_each_other() {
         let (patterns, placements): (Vec<_>, Vec<_>) = (0..6).map(strip).unzip();
         let d = drawing(&patterns, &placements, &[false, true], &DrawingOptions::default());
-        let boxed = |p: &Piece| {
+        let boxed = |p: &DrawnPattern| {
             let ends = [Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)];
             p.strokes().flatten().fold(ends, |[l, h], p| [l.inf(&p), h.sup(&p)])
         };

@@ -5,7 +5,7 @@ use super::colour::{self, Rgb};
 use super::flat::FlatPiece;
 use super::label::SightMap;
 use super::names::{self, Named, PlacedName, Room};
-use super::raster::{Drawing, Image, Line, Paint, Vertex};
+use super::raster::{Drawing, Image, Paint, PenLine, Vertex};
 use super::scene::{titled, Scene, ShapePatch, NOT_CERTIFIED};
 use super::stroke_font;
 use crate::geom::mesh::Mesh;
@@ -70,7 +70,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         let ruling = colour::mix(base, INK, 0.55);
         for r in panel.rulings.iter().filter(|_| i % lined(scene) == 0) {
             let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
-            drawing.lines.push(Line { points, width: 1.3, colour: ruling, alpha: 0.8 });
+            drawing.lines.push(PenLine { points, width: 1.3, colour: ruling, alpha: 0.8 });
         }
     }
     if scene.panels.is_empty() {
@@ -157,7 +157,7 @@ pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: 
     let lift = LIFT * scene.bbox().diagonal();
     for r in scene.panels.iter().step_by(lined(scene)).flat_map(|p| &p.rulings) {
         let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
-        drawing.lines.push(Line { points, width: 1.0, colour: INK, alpha: 0.35 });
+        drawing.lines.push(PenLine { points, width: 1.0, colour: INK, alpha: 0.35 });
     }
     borders(&mut drawing, &camera, scene, 1.6);
     let x = drawing.width as f64 - LEGEND + 10.0;
@@ -414,11 +414,11 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
     let lift = LIFT * scene.bbox().diagonal();
     for border in scene.panels.iter().step_by(lined(scene)).flat_map(|p| &p.borders) {
         let points = border.iter().map(|p| camera.project_towards_eye(p, lift)).collect();
-        drawing.lines.push(Line { points, width, colour: INK, alpha: 1.0 });
+        drawing.lines.push(PenLine { points, width, colour: INK, alpha: 1.0 });
     }
     for guide in &scene.guides {
         let points = guide.iter().map(|p| camera.project_towards_eye(p, 1.5 * lift)).collect();
-        drawing.lines.push(Line { points, width: width + 1.4, colour: GUIDE, alpha: 1.0 });
+        drawing.lines.push(PenLine { points, width: width + 1.4, colour: GUIDE, alpha: 1.0 });
     }
 }
 

@@ -48,7 +48,7 @@ pub struct Vertex {
 
 /// A polyline of round pen.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct PenLine {
     /// x, y in pixels and depth of each point.
     pub points: Vec<[f64; 3]>,
     /// Width of the pen in pixels.
@@ -74,7 +74,7 @@ pub struct Fill {
 #[derive(Clone, Debug)]
 pub enum Overlay {
     /// A line; its depths are ignored.
-    Line(Line),
+    Line(PenLine),
     /// An area.
     Fill(Fill),
 }
@@ -91,7 +91,7 @@ pub struct Drawing {
     /// Shaded triangles.
     pub triangles: Vec<(Paint, [Vertex; 3])>,
     /// Lines with depth.
-    pub lines: Vec<Line>,
+    pub lines: Vec<PenLine>,
     /// Flat things on top.
     pub overlays: Vec<Overlay>,
 }
@@ -105,7 +105,7 @@ impl Drawing {
     /// Adds a flat polyline.
     pub fn stroke(&mut self, points: &[Vec2], width: f64, colour: Rgb, alpha: f64) {
         let points = points.iter().map(|p| [p.x, p.y, 0.0]).collect();
-        self.overlays.push(Overlay::Line(Line { points, width, colour, alpha }));
+        self.overlays.push(Overlay::Line(PenLine { points, width, colour, alpha }));
     }
 
     /// Adds a flat area.
@@ -149,7 +149,7 @@ impl Drawing {
             }
         }
         // Lines by their segments: a band sees a few of those of long ones, in the order in which they are drawn.
-        let segments = |line: &Line, number: usize, out: &mut [Vec<(u32, u32)>]| {
+        let segments = |line: &PenLine, number: usize, out: &mut [Vec<(u32, u32)>]| {
             if !line.points.iter().flatten().all(|x| x.is_finite()) {
                 return;
             }
@@ -294,7 +294,7 @@ impl Band {
         }
     }
 
-    fn segment(&mut self, line: &Line, number: usize, tested: bool) {
+    fn segment(&mut self, line: &PenLine, number: usize, tested: bool) {
         let s = SAMPLES as f64;
         let half = (0.5 * line.width * s).max(0.5);
         let ends = [line.points[number], line.points[number + 1]];
@@ -435,7 +435,7 @@ mod tests {
         let mut drawing = Drawing::new(40, 40);
         drawing.triangles.extend(square(Paint::Solid([1.0; 3]), 10.0, 30.0, 2.0));
         let points = vec![[0.0, 20.0, 1.0], [40.0, 20.0, 1.0]];
-        drawing.lines.push(Line { points, width: 3.0, colour: [0.0; 3], alpha: 1.0 });
+        drawing.lines.push(PenLine { points, width: 3.0, colour: [0.0; 3], alpha: 1.0 });
         let picture = drawing.render();
         assert_eq!(picture.pixels[20 * 40 + 5], [0; 3]);
         assert!(picture.pixels[20 * 40 + 20][0] > 150);

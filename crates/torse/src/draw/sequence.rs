@@ -2,7 +2,7 @@
 
 use super::camera::{Camera, Rect};
 use super::colour;
-use super::raster::{Drawing, Image, Line, Paint, Vertex};
+use super::raster::{Drawing, Image, Paint, PenLine, Vertex};
 use super::scene::Scene;
 use crate::geom::{Vec2, Vec3};
 
@@ -42,7 +42,7 @@ pub fn sequence(stages: &[(String, Scene)], eye: &Vec3) -> Image {
             }
             for b in &shape.borders {
                 let points = b.iter().map(|p| camera.project_towards_eye(p, LIFT)).collect();
-                picture.lines.push(Line { points, width: 1.6, colour: [0.1, 0.1, 0.12], alpha: 1.0 });
+                picture.lines.push(PenLine { points, width: 1.6, colour: [0.1, 0.1, 0.12], alpha: 1.0 });
             }
         }
         picture.text(caption, Vec2::new(left + 2.0 * MARGIN, top + CELL.1 + 40.0), 17.0, [0.2, 0.2, 0.22]);

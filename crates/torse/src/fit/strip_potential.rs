@@ -100,7 +100,7 @@ pub(crate) const TURN: f64 = 0.18;
 const STALLED: usize = 3;
 
 /// One row of the condition in the coordinates of the unit square.
-struct Row {
+struct ConditionRow {
     basis: Vec<(usize, f64, f64, f64)>,
     form: [f64; 3],
     need: f64,
@@ -168,7 +168,7 @@ pub(crate) struct StraightBands {
 pub(crate) fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightBands {
     // Divisions of the range, and the smallest share of the usual slope that counts: bands with inflections exist.
     const BINS: usize = 24;
-    const LEAST: f64 = 0.15;
+    const LEAST_SLOPE: f64 = 0.15;
     let Some((problem, mut field, _)) =
         problem(samples, &[], &StripPotentialOptions { spans: 1, ..StripPotentialOptions::default() })
     else {
@@ -189,7 +189,7 @@ pub(crate) fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightB
         .collect();
     let mut sorted: Vec<f64> = slopes.iter().map(|s| s.1).collect();
     sorted.sort_by(f64::total_cmp);
-    let least = LEAST * sorted[sorted.len() / 2];
+    let least = LEAST_SLOPE * sorted[sorted.len() / 2];
     let mut need = vec![0.0_f64; BINS];
     for (at, slope) in slopes {
         let bin = &mut need[(((at - lo) / step) as usize).min(BINS - 1)];
@@ -318,7 +318,11 @@ fn problem(samples: &[Forms], border: &[[f64; 2]], options: &StripPotentialOptio
         let floor = (FLOOR * k.min(high)).powi(2) * metric;
         speed[0] += e;
         speed[1] += g;
-        rows.push(Row { basis: field.basis(s.uv[0], s.uv[1]), form: s.second, need: det.abs().max(floor).sqrt() });
+        rows.push(ConditionRow {
+            basis: field.basis(s.uv[0], s.uv[1]),
+            form: s.second,
+            need: det.abs().max(floor).sqrt(),
+        });
     }
     if rows.len() < 12 {
         return None;
@@ -332,7 +336,7 @@ fn problem(samples: &[Forms], border: &[[f64; 2]], options: &StripPotentialOptio
 }
 
 struct Problem {
-    rows: Vec<Row>,
+    rows: Vec<ConditionRow>,
     /// Values of the basis where φ counts for the range.
     places: Vec<Vec<(usize, f64)>>,
     /// What the first program looks at.
@@ -350,7 +354,7 @@ struct Active {
     places: Vec<usize>,
 }
 
-impl Row {
+impl ConditionRow {
     fn gradient(&self, c: &[f64]) -> [f64; 2] {
         self.basis.iter().fold([0.0; 2], |g, &(i, _, du, dv)| [g[0] + du * c[i], g[1] + dv * c[i]])
     }
@@ -454,7 +458,7 @@ impl Problem {
         let c0 = &from.field.coefficients;
         let n = c0.len();
         let (hi, lo, slack) = (n, n + 1, n + 2);
-        let rows: Vec<&Row> = active.rows.iter().map(|&k| &self.rows[k]).collect();
+        let rows: Vec<&ConditionRow> = active.rows.iter().map(|&k| &self.rows[k]).collect();
         let mut lp = LinearProgram::new(n + 2 + rows.len());
         lp.cost[hi] = 1.0;
         lp.cost[lo] = -1.0;

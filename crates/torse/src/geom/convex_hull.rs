@@ -8,7 +8,7 @@ use robust::{orient3d, Coord3D};
 use std::collections::HashSet;
 
 /// Triangles from which on their signs are looked at on all cores: fewer are done before others have begun.
-const MANY: usize = 2048;
+const MANY_TRIANGLES: usize = 2048;
 
 /// Triangles of the boundary of the convex hull, as indices of the points, counterclockwise seen from outside.
 /// Coplanar facets are cut into triangles in no particular way. `None` if all points lie in one plane, or a coordinate
@@ -51,7 +51,7 @@ pub(crate) fn convex_hull(points: &[Vec3], stopped: &dyn Fn() -> bool) -> Option
             break;
         }
         let sees = |f: &&[usize; 3]| side(f, p) < 0.0;
-        let seen: Vec<[usize; 3]> = if faces.len() < MANY {
+        let seen: Vec<[usize; 3]> = if faces.len() < MANY_TRIANGLES {
             faces.iter().filter(sees).copied().collect()
         } else {
             faces.par_iter().filter(sees).copied().collect()

@@ -21,7 +21,7 @@ pub(crate) fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
     let hull = convex_hull(points);
     let first = *hull.first()?;
     let mut best: Option<Rectangle> = None;
-    let few = if hull.len() > MANY { vec![least_edge(&hull)] } else { (0..hull.len()).collect() };
+    let few = if hull.len() > MANY_CORNERS { vec![least_edge(&hull)] } else { (0..hull.len()).collect() };
     for k in few {
         let d = hull[(k + 1) % hull.len()] - hull[k];
         let n = d.norm();
@@ -50,7 +50,7 @@ pub(crate) fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
 }
 
 /// Corners of a convex hull from which on trying every corner with every edge takes longer than anything else.
-const MANY: usize = 512;
+const MANY_CORNERS: usize = 512;
 
 /// The edge of a convex polygon on which the rectangle of least area lies: the farthest corners go round with the edges
 /// \[T83\].
@@ -147,7 +147,7 @@ mod tests {
         };
         let points: Vec<Vec2> = (0..n).map(ellipse).collect();
         let hull = convex_hull(&points);
-        assert!(hull.len() > MANY);
+        assert!(hull.len() > MANY_CORNERS);
         let area = |k: usize| {
             let x = (hull[(k + 1) % hull.len()] - hull[k]).normalize();
             let extent = |f: &dyn Fn(&Vec2) -> f64| {

@@ -11,7 +11,7 @@
 use std::fmt::{Display, Write as _};
 use std::io;
 
-use crate::draw::drawing::{Drawing, Lettering, Piece, LETTER_DECIMALS};
+use crate::draw::drawing::{Drawing, DrawnPattern, Lettering, LETTER_DECIMALS};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour, MarkLine};
@@ -144,7 +144,7 @@ pub(crate) fn write_to(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result
 
 /// Entities of a drawing.
 fn entities(drawing: &Drawing) -> usize {
-    let of = |p: &Piece| {
+    let of = |p: &DrawnPattern| {
         let contours = usize::from(p.outer.is_some()) + p.inner.len() + p.formed.len();
         let lines = p.extents.len() + p.rulings.len() + p.marks.len() + p.sections.len() + p.curves.len();
         contours + lines + p.strokes().count()
@@ -565,7 +565,7 @@ fn plot_settings(p: &mut Pairs, model: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::drawing::Piece;
+    use crate::draw::drawing::DrawnPattern;
     use crate::patchwork::pattern::ContourVertex;
     use std::collections::BTreeSet;
 
@@ -575,7 +575,7 @@ mod tests {
 
     fn drawing() -> Drawing {
         let disc = |x: f64, r: f64| Contour { vertices: vec![vertex(x - r, 0., 1.), vertex(x + r, 0., 1.)] };
-        let piece = Piece {
+        let piece = DrawnPattern {
             name: "A".into(),
             outer: Some(disc(0., 100.)),
             inner: vec![disc(30., 1.0 / 3.0)],
@@ -583,7 +583,7 @@ mod tests {
             senses: vec![BendSense::Down],
             marks: vec![[Vec2::new(-100., 0.), Vec2::new(-95., 0.)]],
             texts: vec![Lettering::Line([Vec2::zeros(), Vec2::x()])],
-            ..Piece::default()
+            ..DrawnPattern::default()
         };
         Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.), ..Drawing::default() }
     }
@@ -638,7 +638,7 @@ mod tests {
     #[test]
     fn nothing_of_a_part_that_must_not_be_cut_is_on_a_layer_of_others() {
         let mut d = drawing();
-        d.pieces.push(Piece { marked: true, ..d.pieces[0].clone() });
+        d.pieces.push(DrawnPattern { marked: true, ..d.pieces[0].clone() });
         let all = pairs(&d);
         let start = all.iter().position(|p| p.1 == "ENTITIES").expect("entities");
         let layers: Vec<&str> = all[start..].iter().filter(|p| p.0 == 8).map(|p| p.1.as_str()).collect();

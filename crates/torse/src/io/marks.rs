@@ -4,7 +4,7 @@ use crate::answer::marks::Marks;
 use crate::draw::scene::{titled, NOT_CERTIFIED};
 
 /// Names told in captions and on terminals; reports tell all.
-pub const FEW: usize = 8;
+pub const MOST_NAMED: usize = 8;
 
 /// What must not be cut of so many parts; at most `most` names are told.
 pub fn do_not_cut(marked: &[&str], parts: usize, most: usize) -> String {

@@ -32,7 +32,7 @@ impl Pictures {
     /// A picture that cannot be encoded.
     pub fn of(answer: &Answer, shown: &Presentation, report: &Report) -> Result<Self, PngError> {
         let (scene, eye, limit) = (&shown.scene, &shown.direction, answer.colour_limit());
-        let warning = report.do_not_cut(marks::FEW).map_or_else(String::new, |w| format!("; {w}"));
+        let warning = report.do_not_cut(marks::MOST_NAMED).map_or_else(String::new, |w| format!("; {w}"));
         let caption =
             |note: String| Caption { title: answer.input.clone(), note: note + &warning, ..Caption::default() };
         let what = words::counted(answer.patchwork.panels.len(), words::thing(answer.job));

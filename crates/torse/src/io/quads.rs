@@ -9,7 +9,7 @@ use crate::torse::quad_strip::QuadStrip;
 pub use error::QuadReadError;
 
 /// Most rulings of a file; beyond it the file is no strip.
-const MOST: usize = 1 << 18;
+const MOST_RULINGS: usize = 1 << 18;
 
 /// Reads a strip; `name` tells the format by its ending, `unit` is the length of one unit of the file in mm: where none
 /// is given, what headings say, else mm.
@@ -40,8 +40,8 @@ pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<QuadStrip, Qu
     if a.is_empty() && b.is_empty() {
         return Err(QuadReadError::Empty);
     }
-    if a.len().max(b.len()) > MOST {
-        return Err(QuadReadError::NoStrip(format!("more than {MOST} rulings")));
+    if a.len().max(b.len()) > MOST_RULINGS {
+        return Err(QuadReadError::NoStrip(format!("more than {MOST_RULINGS} rulings")));
     }
     Ok(QuadStrip::new(a, b)?)
 }

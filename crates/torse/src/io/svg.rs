@@ -8,7 +8,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use crate::draw::drawing::{Drawing, Lettering, Piece, LETTER_DECIMALS};
+use crate::draw::drawing::{Drawing, DrawnPattern, Lettering, LETTER_DECIMALS};
 use crate::draw::scene::titled;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
@@ -130,7 +130,7 @@ impl Document {
         format!("{x} {y}")
     }
 
-    fn piece(&mut self, index: usize, piece: &Piece) {
+    fn piece(&mut self, index: usize, piece: &DrawnPattern) {
         let name = escaped(&titled(&piece.name, piece.marked));
         _ = write!(
             self.text,
@@ -240,11 +240,11 @@ mod tests {
     /// A square of 100 mm whose right side is a half circle outwards.
     fn drawing() -> Drawing {
         let vertices = vec![vertex(0., 0., 0.), vertex(100., 0., 1.), vertex(100., 100., 0.), vertex(0., 100., 0.)];
-        let piece = Piece {
+        let piece = DrawnPattern {
             name: "A & <B>".into(),
             outer: Some(Contour { vertices }),
             rulings: vec![[Vec2::new(10., 0.), Vec2::new(10., 100.)]],
-            ..Piece::default()
+            ..DrawnPattern::default()
         };
         Drawing { pieces: vec![piece], max: Vec2::new(150., 100.), ..Drawing::default() }
     }

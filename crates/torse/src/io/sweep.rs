@@ -22,11 +22,11 @@ struct Table<'a> {
     schema: &'static str,
     name: &'a str,
     unit: &'static str,
-    rows: Vec<Row>,
+    rows: Vec<SweepRecord>,
 }
 
 #[derive(Serialize)]
-struct Row {
+struct SweepRecord {
     tolerance: f64,
     panels: usize,
     seam_length: f64,
@@ -40,7 +40,7 @@ struct Row {
 /// # Errors
 /// A picture that cannot be encoded.
 pub fn files(name: &str, rows: &[SweepRow], picture: Option<&Image>) -> Result<Vec<(String, Vec<u8>)>, SweepError> {
-    let rows = rows.iter().map(|r| Row {
+    let rows = rows.iter().map(|r| SweepRecord {
         tolerance: r.tolerance,
         panels: r.panels,
         seam_length: r.seam_length,

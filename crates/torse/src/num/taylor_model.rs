@@ -96,8 +96,8 @@ impl TaylorModel {
     /// The largest distance of a value from those at the ends, or between them.
     pub fn chord_deviation(&self) -> f64 {
         // τ² − 1, τ³ − τ and the others less 1 or τ are at most these.
-        const MOST: [f64; N] = [0.0, 0.0, 1.0, 0.385, 1.0, 0.535, 1.0, 0.621, 1.0];
-        let known: f64 = self.c.iter().zip(MOST).map(|(c, m)| c.abs() * m).sum();
+        const OFF_CHORD: [f64; N] = [0.0, 0.0, 1.0, 0.385, 1.0, 0.535, 1.0, 0.621, 1.0];
+        let known: f64 = self.c.iter().zip(OFF_CHORD).map(|(c, m)| c.abs() * m).sum();
         (known + 2.0 * self.rest + self.size() * ROUNDING) * UP
     }
 

@@ -15,7 +15,7 @@ const APART: f64 = 0.02;
 const ON: f64 = 1e-7;
 
 /// A new border between two labels.
-pub(crate) struct Line<'a> {
+pub(crate) struct NewBorder<'a> {
     /// Labels on the left and on the right.
     pub labels: [u32; 2],
     /// Its points (u, v) in order. It ends on the border of the region, on a border that stays, or where others end.
@@ -43,7 +43,7 @@ impl Partition {
     /// # Errors
     /// Where the lines do not part the region, since they cross each other or what stays, end nowhere, or leave a label in
     /// pieces: the labels beside lines that cross something, if it is that.
-    pub(crate) fn redrawn(&self, lines: &[Line], knots: [&[f64]; 2]) -> Result<Self, Vec<[u32; 2]>> {
+    pub(crate) fn redrawn(&self, lines: &[NewBorder], knots: [&[f64]; 2]) -> Result<Self, Vec<[u32; 2]>> {
         let mut drawing = Drawing::of(self, lines, knots).ok_or_else(Vec::new)?;
         for line in lines {
             drawing.add(line).ok_or_else(|| vec![line.labels])?;
@@ -71,7 +71,7 @@ struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    fn of(from: &Partition, lines: &[Line], knots: [&'a [f64]; 2]) -> Option<Self> {
+    fn of(from: &Partition, lines: &[NewBorder], knots: [&'a [f64]; 2]) -> Option<Self> {
         let going: HashSet<[u32; 2]> = lines.iter().flat_map(|l| [l.labels, [l.labels[1], l.labels[0]]]).collect();
         let of = from.adjacency();
         let label = |e: (u32, u32)| of.get(&e).map(|&t| from.labels[t as usize]);
@@ -124,7 +124,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// Adds a line, cut at the knot lines, its ends on what is there.
-    fn add(&mut self, line: &Line) -> Option<()> {
+    fn add(&mut self, line: &NewBorder) -> Option<()> {
         let slack = self.extent.map(|e| SNAP * e);
         let mut uv: Vec<[f64; 2]> = line
             .uv
@@ -335,7 +335,7 @@ struct Near {
 }
 
 impl Near {
-    fn of(lines: &[Line], cell: [f64; 2]) -> Self {
+    fn of(lines: &[NewBorder], cell: [f64; 2]) -> Self {
         let mut out = Self { cell, pieces: HashMap::default() };
         for w in lines.iter().flat_map(|l| l.uv.windows(2)) {
             let piece = [w[0], w[1]].map(|p| out.scaled(&p));
@@ -395,7 +395,7 @@ mod tests {
     fn borders_go_to_new_lines_and_others_stay() {
         // Upwards, with 0 on the left; through u = 1/2 at v = 1/2.
         let uv: Vec<[f64; 2]> = (0..=20).map(|i| f64::from(i) / 20.0).map(|v| [0.4 + 0.2 * v, v]).collect();
-        let lines = [Line { labels: [0, 1], uv: &uv }];
+        let lines = [NewBorder { labels: [0, 1], uv: &uv }];
         let out = square().redrawn(&lines, [&KNOTS, &KNOTS]).expect("redrawn");
         let found = [0, 1, 2].map(|l| area(&out, l));
         let want = [0.5, 0.25, 0.25];
@@ -418,7 +418,7 @@ mod tests {
 
     #[test]
     fn lines_that_do_not_part_the_region_are_refused() {
-        let redrawn = |uv: &[[f64; 2]]| square().redrawn(&[Line { labels: [0, 1], uv }], [&KNOTS, &KNOTS]);
+        let redrawn = |uv: &[[f64; 2]]| square().redrawn(&[NewBorder { labels: [0, 1], uv }], [&KNOTS, &KNOTS]);
         assert!(redrawn(&[[0.4, 0.0], [0.4, 1.0]]).is_ok());
         // Through a border that stays, ending inside, the wrong way round.
         assert!(redrawn(&[[0.4, 0.0], [0.9, 0.5], [0.4, 1.0]]).is_err());
@@ -433,9 +433,9 @@ mod tests {
         let m = [0.3, 0.4];
         // 0 below and 3 above on the left, 1 on the right.
         let lines = [
-            Line { labels: [0, 1], uv: &[[0.45, 0.0], m] },
-            Line { labels: [3, 1], uv: &[m, [0.6, 1.0]] },
-            Line { labels: [3, 0], uv: &[[0.0, 0.45], m] },
+            NewBorder { labels: [0, 1], uv: &[[0.45, 0.0], m] },
+            NewBorder { labels: [3, 1], uv: &[m, [0.6, 1.0]] },
+            NewBorder { labels: [3, 0], uv: &[[0.0, 0.45], m] },
         ];
         let out = three.redrawn(&lines, [&KNOTS, &KNOTS]).expect("redrawn");
         let shoelace = |c: &[[f64; 2]]| {

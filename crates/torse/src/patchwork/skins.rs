@@ -12,7 +12,7 @@ use crate::num::parallel;
 
 /// A sheet of constant thickness.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
+pub struct SheetSkins {
     /// Thickness, mm.
     pub thickness_estimate: f64,
     /// Indices of the faces of the larger skin.
@@ -60,7 +60,7 @@ struct Seen {
 }
 
 /// The skins of a body, from all of its faces; `None` where it is no sheet of constant thickness.
-pub fn sheet(faces: &[&Face]) -> Option<Sheet> {
+pub fn sheet(faces: &[&Face]) -> Option<SheetSkins> {
     if faces.len() < 3 || faces.len() > MOST_FACES {
         return None;
     }
@@ -91,7 +91,7 @@ pub fn sheet(faces: &[&Face]) -> Option<Sheet> {
         std::mem::swap(&mut outer, &mut inner);
     }
     let sides = (0..faces.len()).filter(|&k| !is_skin(k)).collect();
-    Some(Sheet { thickness_estimate: thickness, outer, inner, sides })
+    Some(SheetSkins { thickness_estimate: thickness, outer, inner, sides })
 }
 
 fn hull(face: &Face) -> Option<Hull> {

@@ -13,8 +13,8 @@ use crate::geom::coarse::{is_tolerance, Coarse, Loose};
 use crate::geom::{BBox, Vec3};
 use crate::io::words;
 use crate::reason::{Item, JobReason, Reason};
-use crate::search::strips::rows::{strips_of_face, strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
+use crate::search::strips::sequences::{strips_of_face, strips_of_sequence, ElementSequence};
 use crate::search::trims::assess_trims;
 use crate::torse::contact::{orient, Given};
 use crate::torse::zone::RegressionLimits;
@@ -105,14 +105,14 @@ fn around(
     options: &ElementFitOptions,
     control: &Control,
 ) -> Result<Answer, ElementFitError> {
-    let row = |estimates| Row { name: sort.many().to_string(), estimates, face: None };
+    let sequence = |estimates| ElementSequence { name: sort.many().to_string(), estimates, face: None };
     let rulings = match given {
-        Given::Planes(p) => return run(vec![row(vec![p.clone()])], Vec::new(), sort, &[], (options, control)),
+        Given::Planes(p) => return run(vec![sequence(vec![p.clone()])], Vec::new(), sort, &[], (options, control)),
         Given::Rulings(r) => r,
     };
     let found = |sheets: &[&[[Vec3; 2]]]| {
-        let rows = sheets.iter().map(|r| of_rulings(r, options.tolerance).map(row)).collect::<Result<_, _>>()?;
-        run(rows, Vec::new(), sort, rulings, (options, control))
+        let all = sheets.iter().map(|r| of_rulings(r, options.tolerance).map(sequence)).collect::<Result<_, _>>()?;
+        run(all, Vec::new(), sort, rulings, (options, control))
     };
     let sheets = ruling_groups(rulings, options.tolerance);
     let answer = found(&sheets.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
@@ -149,29 +149,29 @@ pub fn fit_faces(
     let before = left.len();
     // How far their trims keep from the file's edges is part of what is proven.
     let faces = &assess_trims(faces.to_vec(), options.tolerance).faces[..];
-    let mut rows = Vec::new();
+    let mut sequences = Vec::new();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
         match GivenFace::of(face, &name, options.rulings_of_face.max(FEWEST), options.tolerance) {
             Ok(mut given) => {
-                let estimates = vec![std::mem::take(&mut given.row)];
-                rows.push(Row { name, estimates, face: Some(given) });
+                let estimates = vec![std::mem::take(&mut given.elements)];
+                sequences.push(ElementSequence { name, estimates, face: Some(given) });
             }
             Err(reason) => left.push(Skipped::of_face(face, Reason::of(Item::Named(name), reason))),
         }
     }
-    if rows.is_empty() {
+    if sequences.is_empty() {
         let reason = left.get(before).map_or_else(|| "no faces".into(), words::left_out);
         return Err(ElementFitError::NoFace { count: faces.len(), reason });
     }
-    let mut out = run(rows, left.clone(), Sort::Rulings, &[], (options, control))?;
+    let mut out = run(sequences, left.clone(), Sort::Rulings, &[], (options, control))?;
     out.claims.extend(left_out(&left));
     Ok(out)
 }
 
-/// Fits strips to rows, has them judged and lays them flat; `rulings` are those that are given, in their order.
+/// Fits strips to sequences, has them judged and lays them flat; `rulings` are those that are given, in their order.
 fn run(
-    rows: Vec<Row>,
+    sequences: Vec<ElementSequence>,
     skipped: Vec<Skipped>,
     sort: Sort,
     rulings: &[[Vec3; 2]],
@@ -183,29 +183,29 @@ fn run(
         return Err(ElementFitError::Tolerance(options.tolerance));
     }
     options.limits.as_ref().map_or(Ok(()), RegressionLimits::check)?;
-    Loose::check(extent(&rows), options.tolerance)?;
+    Loose::check(extent(&sequences), options.tolerance)?;
     let asked = options.asked();
     let mut made = Made { skipped, ends: ends::Ends::of(rulings), ..Made::default() };
-    let count = rows.len();
-    for (k, mut row) in rows.into_iter().enumerate() {
-        checked(&mut row, options)?;
-        control.report("fitting", k as f64 / count as f64, row.name.clone());
+    let count = sequences.len();
+    for (k, mut sequence) in sequences.into_iter().enumerate() {
+        checked(&mut sequence, options)?;
+        control.report("fitting", k as f64 / count as f64, sequence.name.clone());
         let left = options.max_strips.saturating_sub(made.strips.len());
-        let strips = if row.face.is_some() { strips_of_face } else { strips_of_row };
-        let mut found = strips(&mut row, left, &asked, control);
+        let strips = if sequence.face.is_some() { strips_of_face } else { strips_of_sequence };
+        let mut found = strips(&mut sequence, left, &asked, control);
         let offset = made.all.len();
         for (i, strip) in found.strips.iter_mut().enumerate() {
             strip.name = format!("A-{:02}", made.strips.len() + i + 1);
         }
-        made.ends.add(&found, row.face.as_ref(), options.tolerance);
-        let of = (row.name != what).then(|| row.name.clone());
-        made.became.extend(row.face.map(|face| {
+        made.ends.add(&found, sequence.face.as_ref(), options.tolerance);
+        let of = (sequence.name != what).then(|| sequence.name.clone());
+        made.became.extend(sequence.face.map(|face| {
             let became = match found.strips.first() {
                 Some(only) if found.is_face => Became::Itself(only.name.clone()),
                 Some(_) => Became::Strips(reached(&found.strips)),
                 None => Became::Nothing,
             };
-            FaceNote { face: row.name, given: face.size, became }
+            FaceNote { face: sequence.name, given: face.size, became }
         }));
         let missed = found.missed.into_iter();
         made.skipped.extend(missed.map(|(range, reason)| {
@@ -220,8 +220,8 @@ fn run(
 }
 
 /// Refuses elements that cannot be used; the others are oriented alike, and hold their rulings where these are to be kept.
-fn checked(row: &mut Row, options: &ElementFitOptions) -> Result<(), ElementFitError> {
-    for elements in &mut row.estimates {
+fn checked(sequence: &mut ElementSequence, options: &ElementFitOptions) -> Result<(), ElementFitError> {
+    for elements in &mut sequence.estimates {
         if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
             return Err(ElementFitError::Element { index });
         }
@@ -237,10 +237,10 @@ fn checked(row: &mut Row, options: &ElementFitOptions) -> Result<(), ElementFitE
     Ok(())
 }
 
-/// Diagonal of the box around all that rows hold, regions of interest included, mm.
-fn extent(rows: &[Row]) -> f64 {
+/// Diagonal of the box around all that sequences hold, regions of interest included, mm.
+fn extent(sequences: &[ElementSequence]) -> f64 {
     let mut b = BBox::empty();
-    for e in rows.iter().flat_map(|r| r.estimates.iter().flatten()) {
+    for e in sequences.iter().flat_map(|r| r.estimates.iter().flatten()) {
         for p in e.ends {
             b.include(&p.add_scalar(e.radius));
             b.include(&p.add_scalar(-e.radius));

@@ -31,7 +31,7 @@ const RAIL_SHARE: f64 = 0.1;
 /// Twist asked of fits, as a share of what counts as developable.
 const TWIST_SHARE: f64 = 0.1;
 /// Least share of both rails that an exact branch must use to be chosen without being asked for.
-const ENOUGH: f64 = 0.5;
+const LEAST_COVERAGE: f64 = 0.5;
 /// Share of the tolerance within which rails count as in one plane.
 const FLAT_SHARE: f64 = 0.1;
 /// Alternatives that are listed; of least twist, also those that are looked for.
@@ -151,7 +151,7 @@ fn chosen_branch<'a>(regular: &[&'a Branch], options: &Options) -> Result<Option
         }
         return Ok(None);
     };
-    let enough = branch.coverage[0].min(branch.coverage[1]) >= ENOUGH;
+    let enough = branch.coverage[0].min(branch.coverage[1]) >= LEAST_COVERAGE;
     let asked_for = exact || options.alternative > 1 || options.ends == Ends::Extend;
     Ok((asked_for || enough).then_some(*branch))
 }

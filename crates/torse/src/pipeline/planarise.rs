@@ -72,7 +72,9 @@ pub enum PlanariseError {
     #[error(transparent)]
     Discrete(#[from] DiscreteError),
     /// More parts than a report can show.
-    #[error("{levels} levels give {quads} quadrilaterals; files are written for at most {MOST}: ask for fewer levels")]
+    #[error(
+        "{levels} levels give {quads} quadrilaterals; files are written for at most {MOST_QUADS}: ask for fewer levels"
+    )]
     Many {
         /// Levels asked for.
         levels: usize,
@@ -85,7 +87,7 @@ pub enum PlanariseError {
 }
 
 /// Most quadrilaterals for which files are written.
-const MOST: usize = 5000;
+const MOST_QUADS: usize = 5000;
 /// Bend (degrees) at which the scale of colours ends at least: what flat strips bend by is rounding.
 const LEAST_BEND: f64 = 1e-6;
 
@@ -116,7 +118,7 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
     Loose::check(BBox::of(strip.a().iter().chain(strip.b())).diagonal(), options.tolerance)?;
     let shift = u32::try_from(options.levels).unwrap_or(u32::MAX);
     let quads = strip.quads().saturating_mul(1usize.checked_shl(shift).unwrap_or(usize::MAX));
-    if quads > MOST {
+    if quads > MOST_QUADS {
         return Err(PlanariseError::Many { levels: options.levels, quads });
     }
     control.report("planarising", 0.2, "");

@@ -8,7 +8,7 @@ use crate::develop::unfold::sheet as unfolded;
 use crate::io::model::Model;
 use crate::io::words;
 pub use crate::patchwork::skins::Skin;
-use crate::patchwork::skins::{sheet, Sheet};
+use crate::patchwork::skins::{sheet, SheetSkins};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Faces that are wanted; default: all.
@@ -141,7 +141,7 @@ pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectErro
 /// The skins of a body, as `torse unroll` tells them where rays do not: outside, a flange that is narrower than what it joins has
 /// one face with the end of that, which bounds one skin and is part of the other. What is neither skin nor side is in none of
 /// the lists.
-fn sheet_or_flanges(faces: &[&Face]) -> Option<Sheet> {
+fn sheet_or_flanges(faces: &[&Face]) -> Option<SheetSkins> {
     sheet(faces).or_else(|| {
         let found = unfolded::sheet(&Body::new(faces.to_vec())).ok()?;
         if found.thickness <= 0.0 || found.skins.iter().any(Vec::is_empty) {
@@ -154,12 +154,12 @@ fn sheet_or_flanges(faces: &[&Face]) -> Option<Sheet> {
         }
         let kept: HashSet<usize> = found.others.iter().chain(&outer).chain(&inner).copied().collect();
         let sides = (0..faces.len()).filter(|k| !kept.contains(k)).collect();
-        Some(Sheet { thickness_estimate: found.thickness, outer, inner, sides })
+        Some(SheetSkins { thickness_estimate: found.thickness, outer, inner, sides })
     })
 }
 
 /// Bodies that are sheets, as `of` tells them from their faces: the indices of these, and the skins among them.
-fn sheets(faces: &[Face], of: impl Fn(&[&Face]) -> Option<Sheet>) -> Vec<(Vec<usize>, Sheet)> {
+fn sheets(faces: &[Face], of: impl Fn(&[&Face]) -> Option<SheetSkins>) -> Vec<(Vec<usize>, SheetSkins)> {
     let mut bodies: BTreeMap<(u32, &str), Vec<usize>> = BTreeMap::new();
     for (k, f) in faces.iter().enumerate() {
         bodies.entry((f.body, f.part.as_str())).or_default().push(k);
@@ -176,7 +176,7 @@ fn named(face: &Face) -> BodyName {
     BodyName { part: face.part.clone(), entity: face.entity }
 }
 
-fn offer(faces: &[Face], body: &[usize], sheet: &Sheet) -> Note {
+fn offer(faces: &[Face], body: &[usize], sheet: &SheetSkins) -> Note {
     Note::BothSkins {
         body: named(&faces[body[0]]),
         thickness: sheet.thickness_estimate,

@@ -29,7 +29,7 @@ fn of_panel(fault: &PanelFault) -> Option<Vec3> {
         | PanelFault::Regression(at)
         | PanelFault::TrimAt(_, at)
         | PanelFault::TooFar { at, .. }
-        | PanelFault::Resists(_, at)
+        | PanelFault::Obstructed(_, at)
         | PanelFault::Folds(at)
         | PanelFault::MayFold(at)
         | PanelFault::Only(_, at) => Some(*at),

@@ -96,8 +96,8 @@ pub enum PanelFault {
         /// What rounding and trimming curves leave of the tolerance, mm, where it is within the tolerance.
         left: Option<f64>,
     },
-    /// Something resists the proof.
-    Resists(Obstruction, Vec3),
+    /// A box stands in the way of the proof.
+    Obstructed(Obstruction, Vec3),
     /// The map to the face folds over, at a place.
     Folds(Vec3),
     /// It could not be shown that the map to the face does not fold over, at a place.

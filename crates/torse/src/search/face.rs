@@ -36,7 +36,7 @@ const FIRST_SHARE: f64 = 0.2;
 const STOPGAP_SHARE: f64 = 0.3;
 /// Panels one after the other, where one would do but for the radius to which it may bend, from which on they may not be found
 /// at all.
-const MANY: f64 = 2.0;
+const BENT_PANELS: f64 = 2.0;
 /// Time, after a job was asked to stop, for fits of regions that no cover has reached, and for proofs of what has none.
 const FILLING: Duration = Duration::from_millis(250);
 /// Attempts at covers of a face that limits of bending ask to be cut: what is found at all is found in fewer. Users who want more
@@ -80,7 +80,7 @@ impl Wanted<'_> {
     fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<Reason>) {
         let radius = options.limits.min_bend_radius;
         let needed = radius.and_then(|r| Some((r, bent_panels(face, r, options.tolerance)?)));
-        let Some((radius, [along, across])) = needed.filter(|(_, n)| n[0] >= MANY) else {
+        let Some((radius, [along, across])) = needed.filter(|(_, n)| n[0] >= BENT_PANELS) else {
             return (self.control.clone(), None);
         };
         let (entity, panels) = (face.entity, along * across);

@@ -9,7 +9,7 @@
 mod shares;
 
 use crate::certify::claim::UpperBound;
-use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
+use crate::certify::refolded::{distance, Along, SpanChord, Stretch, Unshown};
 use crate::control::Control;
 use crate::develop::refold::atlas::{Atlas, OnPanel, PlacedPanel};
 use crate::develop::refold::drawn::FlatPart;
@@ -146,7 +146,7 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64], near: f64) -> Ribbon 
         let wide = speed(s.reach[0]).max(speed(s.reach[1]));
         let least = (s.in_space.turn.abs() * wide / (4.0 * near)).sqrt();
         let least = if least.is_finite() { least } else { 0.0 };
-        let n = (turn / FINE).max(least.min(FINER * turn / FINE)).ceil().clamp(1.0, MOST) as usize;
+        let n = (turn / FINE).max(least.min(FINER * turn / FINE)).ceil().clamp(1.0, MOST_OF_SPAN) as usize;
         let mut shares: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
         let inner = |c: &f64| shares.iter().all(|x| (x - c).abs() * n as f64 > APART);
         let more: Vec<f64> = cuts.iter().map(|t| t - k as f64).filter(|c| *c > 0.0 && *c < 1.0).filter(inner).collect();
@@ -165,7 +165,7 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64], near: f64) -> Ribbon 
 /// Share of a part of a span within which places are one.
 const APART: f64 = 1e-3;
 /// Parts of one span at most.
-const MOST: f64 = 4096.0;
+const MOST_OF_SPAN: f64 = 4096.0;
 
 /// The tip of a cone in the plane, where rulings have no places: outlines go around it.
 struct Tip {
@@ -218,12 +218,12 @@ const ROOM: f64 = 1.1;
 type Seen = (f64, f64, Vec2);
 
 /// Pieces from ruling to ruling through places that follow each other.
-fn pieces(places: &[Seen], end: f64) -> impl Iterator<Item = Piece> + '_ {
+fn pieces(places: &[Seen], end: f64) -> impl Iterator<Item = SpanChord> + '_ {
     places.windows(2).map(move |pair| {
         let ((t, v, p), (u, w, q)) = (pair[0], pair[1]);
         let span = (0.5 * (t + u)).floor().clamp(0.0, end - 1.0);
         let ends = [[(t - span).clamp(0.0, 1.0), v], [(u - span).clamp(0.0, 1.0), w]];
-        Piece { span: span as usize, ends, border: [0.0; 2], drawn: Some([p, q]) }
+        SpanChord { span: span as usize, ends, border: [0.0; 2], drawn: Some([p, q]) }
     })
 }
 
@@ -246,7 +246,7 @@ fn size(polygon: &[Vec2]) -> f64 {
 
 /// A closed polygon of the plane on the rulings: pieces from ruling to ruling, without their borders; around the tip of a
 /// cone, if it has one.
-fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Piece>> {
+fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<SpanChord>> {
     let end = ribbon.end();
     let slack = ON_RULING * size(polygon);
     let split = tip.and_then(|tip| Some((tip, tip.split(polygon)?)));
@@ -330,7 +330,7 @@ fn reaching(ribbon: Ribbon, loops: &[Vec<Vec2>], most: f64) -> Ribbon {
 const SAME: f64 = 1e-9;
 
 /// The rulings no farther than the part reaches: its bend lines tell of rulings beyond, which are on no panel.
-fn ended(ribbon: Ribbon, lines: &mut [Vec<Piece>]) -> Ribbon {
+fn ended(ribbon: Ribbon, lines: &mut [Vec<SpanChord>]) -> Ribbon {
     let all = || lines.iter().flatten();
     let Some((first, last)) = all().map(|p| p.span).min().zip(all().map(|p| p.span).max()) else { return ribbon };
     let shares = |k: usize| all().filter(move |p| p.span == k).flat_map(|p| p.ends).map(|e| e[0]);
@@ -372,7 +372,7 @@ enum Straight {
 /// Rulings with what is on them of the part, and where they are on their panel.
 struct Seated {
     ribbon: Ribbon,
-    lines: Vec<Vec<Piece>>,
+    lines: Vec<Vec<SpanChord>>,
     places: Vec<Along>,
 }
 
@@ -438,7 +438,7 @@ fn assessed_as(
     let Seated { ribbon, lines, places } = seated;
     let spans = &ribbon.spans[..];
     let panel = &atlas.panels[panel].panel;
-    let on_patch = |p: &Piece, [s, v]: [f64; 2]| {
+    let on_patch = |p: &SpanChord, [s, v]: [f64; 2]| {
         let [a, b] = [0, 1].map(|k: usize| places[p.span + k].place(v));
         let of = |d: usize| (1.0 - s) * a[d] + s * b[d];
         Vec2::new(of(0), of(1))
@@ -496,11 +496,11 @@ fn first_form(surface: &Surface, uv: &Vec2) -> Matrix2<f64> {
 /// A closed line with its places on the border of its panel, a polygon: cut where the border turns, because sides of the border
 /// are as long as they are, and pieces that went around a corner would be compared with the wrong side of it.
 fn beside(
-    line: Vec<Piece>,
+    line: Vec<SpanChord>,
     border: &[Vec2],
     metric: &Metric,
-    on_patch: &(impl Fn(&Piece, [f64; 2]) -> Vec2 + Sync),
-) -> Vec<Piece> {
+    on_patch: &(impl Fn(&SpanChord, [f64; 2]) -> Vec2 + Sync),
+) -> Vec<SpanChord> {
     let (n, corners) = (line.len(), border.len() as f64);
     let place = |q: Vec2| nearest(border, &q, &metric.at(&q)).0;
     let mut at = vec![place(on_patch(&line[0], line[0].ends[0]))];
@@ -511,7 +511,7 @@ fn beside(
         let step = (here - last).rem_euclid(corners);
         at.push(last + if step > 0.5 * corners { step - corners } else { step });
     }
-    let share = |p: &Piece, corner: f64| {
+    let share = |p: &SpanChord, corner: f64| {
         let [a, b] = p.ends.map(|e| on_patch(p, e));
         let x = border[(corner as i64).rem_euclid(border.len() as i64) as usize];
         let way = metric.at(&a) * (b - a);
@@ -546,7 +546,7 @@ fn beside(
     }
     let mut out = Vec::with_capacity(n);
     for (k, p) in line.into_iter().enumerate() {
-        let mut rest = Piece { border: [at[k], at[k + 1]], ..p };
+        let mut rest = SpanChord { border: [at[k], at[k + 1]], ..p };
         let mut done = 0.0;
         for c in between(at[k], at[k + 1]) {
             let x = share(&p, c);
@@ -557,13 +557,13 @@ fn beside(
             let [[s, v], [t, w]] = rest.ends;
             let place = [part(s, t), part(v, w)];
             let drawn = rest.drawn.map(|[a, b]| (a, a + (b - a) * ((x - done) / (1.0 - done)), b));
-            out.push(Piece {
+            out.push(SpanChord {
                 ends: [rest.ends[0], place],
                 border: [rest.border[0], c],
                 drawn: drawn.map(|(a, m, _)| [a, m]),
                 ..rest
             });
-            rest = Piece {
+            rest = SpanChord {
                 ends: [place, rest.ends[1]],
                 border: [c, rest.border[1]],
                 drawn: drawn.map(|(_, m, b)| [m, b]),
@@ -607,7 +607,7 @@ const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 /// Where the rulings of spans are on their panel: by the flat image of two of their points, and of the one between them.
 fn places(
     spans: &[Span],
-    lines: &[Vec<Piece>],
+    lines: &[Vec<SpanChord>],
     (atlas, panel): (&Atlas, usize),
     (tip, along): (Option<&Tip>, Straight),
 ) -> Vec<Along> {

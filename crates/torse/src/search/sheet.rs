@@ -183,7 +183,7 @@ impl Counts {
 /// A developable face cut along parameter lines, in the fewest fields that fit; `None` if none do.
 fn gridded(task: &Task) -> Option<Laid> {
     let limits = &task.options.limits;
-    let lines = [Line::measured(task, 0), Line::measured(task, 1)];
+    let lines = [ParameterLine::measured(task, 0), ParameterLine::measured(task, 1)];
     let mut counts: Vec<[usize; 2]> = Vec::new();
     for sides in [[limits.longest(), limits.widest()], [limits.widest(), limits.longest()]] {
         let least = |k: usize| sides[k].map_or(1.0, |limit| (lines[k].length() / limit).ceil().max(1.0));
@@ -286,7 +286,7 @@ fn nearest(lines: &[f64], at: f64) -> f64 {
 }
 
 /// The longest of some parameter lines of one direction over the trim, as a polyline.
-struct Line {
+struct ParameterLine {
     /// Parameter and length up to there, mm.
     points: Vec<[f64; 2]>,
 }
@@ -294,7 +294,7 @@ struct Line {
 /// Parameter lines that are measured, and their pieces.
 const LINES: [usize; 2] = [9, 200];
 
-impl Line {
+impl ParameterLine {
     fn measured(task: &Task, direction: usize) -> Self {
         let surface = &task.face.surface;
         let mut b = [[f64::INFINITY, f64::NEG_INFINITY]; 2];

@@ -11,9 +11,9 @@ use crate::torse::strip::Strip;
 /// Parts of a span in u where no grid is given.
 const PARTS: usize = 8;
 /// Least number of parts of a strip.
-const LEAST: usize = 24;
+const FEWEST_PARTS: usize = 24;
 /// Most parts of a strip.
-const MOST: usize = 4096;
+const MOST_PARTS: usize = 4096;
 /// Turn of an edge (rad) that is drawn straight: 2°.
 const STRAIGHT: f64 = 0.035;
 /// Chords of a span by which its turn is told.
@@ -32,8 +32,8 @@ pub fn grid(strip: &Strip) -> (Vec<f64>, Vec<f64>) {
         return (breaks, vec![0.0, 1.0]);
     }
     let spans = breaks.len().saturating_sub(1).max(1);
-    let least = PARTS.min((MOST / spans).max(1)).max(LEAST.div_ceil(spans));
-    let most = (MOST / spans).max(least);
+    let least = PARTS.min((MOST_PARTS / spans).max(1)).max(FEWEST_PARTS.div_ceil(spans));
+    let most = (MOST_PARTS / spans).max(least);
     let mut u = Vec::with_capacity(spans * least + 1);
     for w in breaks.windows(2) {
         let parts = ((turn(strip, w[0], w[1]) / STRAIGHT).ceil() as usize).clamp(least, most);
@@ -139,7 +139,7 @@ pub fn ruling_lines(strip: &Strip, spacing: f64) -> Vec<[Vec3; 2]> {
         let step = (p - last).norm();
         // Several rulings may fall into one cell.
         let mut x = spacing - since;
-        while x <= step && step > 0.0 && out.len() < MOST {
+        while x <= step && step > 0.0 && out.len() < MOST_PARTS {
             out.push(strip.ruling(w[0] + (w[1] - w[0]) * x / step));
             x += spacing;
         }

@@ -90,7 +90,7 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
                 }
                 out
             };
-            pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+            pieces.push(BezierRails { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
         }
     }
     let order =
@@ -118,7 +118,7 @@ fn cylinder_patch(torse: &CylinderTorse, bound: &Bound) -> Result<Surface, Conve
                 }
                 out
             };
-            pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+            pieces.push(BezierRails { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
         }
     }
     let order =
@@ -164,7 +164,7 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
                 }
                 out
             };
-            pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+            pieces.push(BezierRails { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
         }
     }
     // One sign and scale for all weights.
@@ -193,14 +193,14 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
 }
 
 /// Bézier piece on [a, b]: homogeneous coefficients of both boundary curves by coordinate.
-struct Piece {
+struct BezierRails {
     a: f64,
     b: f64,
     curves: [[Vec<f64>; 4]; 2],
 }
 
 /// How many of the values lie in the piece's interval.
-fn held(piece: &Piece, args: &[f64]) -> usize {
+fn held(piece: &BezierRails, args: &[f64]) -> usize {
     args.iter().filter(|t| **t >= piece.a && **t <= piece.b).count()
 }
 
@@ -210,7 +210,11 @@ fn multiplicity(knots: &Knots, t: f64) -> Option<usize> {
 }
 
 /// Joins Bézier pieces to one B-spline surface; `continuity(t)` is the order of continuity at a break.
-fn assemble(pieces: &[Piece], continuity: impl Fn(f64) -> isize, rational: bool) -> Result<Surface, ConvertError> {
+fn assemble(
+    pieces: &[BezierRails],
+    continuity: impl Fn(f64) -> isize,
+    rational: bool,
+) -> Result<Surface, ConvertError> {
     let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { return Err(ConvertError::Empty(0)) };
     let p = first.curves[0][3].len() - 1;
     let mut values = vec![first.a; p + 1];

@@ -323,7 +323,7 @@ fn boundary_intervals(
     }
     // Rulings beside the region go on as at its ends, if they can.
     let inside: Vec<usize> = (0..spans.len()).filter(|&k| spans[k].1 <= spans[k].2).collect();
-    let mut lines: Vec<Line> = Vec::with_capacity(spans.len());
+    let mut lines: Vec<RulingPart> = Vec::with_capacity(spans.len());
     for (k, &(t, lo, hi)) in spans.iter().enumerate() {
         let beside = lo > hi;
         let (lo, hi) = if beside {
@@ -340,7 +340,7 @@ fn boundary_intervals(
         let rate = (slope(hi + mean) - slope(lo)) / (hi + mean - lo);
         let slopes = (slope(lo), slope(hi));
         if slopes.0 * slopes.1 > 0.0 {
-            lines.push(Line { t, ends: (lo, hi), slopes, rate });
+            lines.push(RulingPart { t, ends: (lo, hi), slopes, rate });
         } else if !beside {
             return Err(ConvertError::Regression { t });
         }
@@ -378,7 +378,7 @@ fn boundary_intervals(
 }
 
 /// Part of a ruling inside the region: coordinates of its ends, slopes of the foot function there and their rate.
-struct Line {
+struct RulingPart {
     t: f64,
     ends: (f64, f64),
     slopes: (f64, f64),

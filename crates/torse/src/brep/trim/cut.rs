@@ -2,7 +2,7 @@
 //! (a parameter line) where they wind around the surface.
 
 use super::error::TrimError;
-use super::pcurve::Chain;
+use super::pcurve::TracedLoop;
 use super::polygon::{Polygon, Side};
 use crate::brep::parameter_map::ParameterMap;
 use crate::brep::support_surface::SupportSurface;
@@ -31,7 +31,7 @@ pub(super) struct Plan {
 /// file's senses are not to be relied on and that one of the loops is the outer one.
 pub(super) fn plan(
     support: &SupportSurface,
-    chains: &mut Vec<Chain>,
+    chains: &mut Vec<TracedLoop>,
     marked_outer: bool,
     label: &mut u32,
 ) -> Result<Plan, TrimError> {
@@ -72,7 +72,7 @@ pub(super) fn plan(
 /// A whole torus (or doubly closed spline) with holes: cut along two quiet lines into a rectangle.
 fn around_holes(
     support: &SupportSurface,
-    chains: &mut Vec<Chain>,
+    chains: &mut Vec<TracedLoop>,
     periods: [f64; 2],
     label: &mut u32,
 ) -> Result<Plan, TrimError> {
@@ -91,20 +91,20 @@ fn around_holes(
     let [u, v] = start;
     let [p, q] = periods;
     let corners = vec![[u, v], [u + p, v], [u + p, v + q], [u, v + q]];
-    chains.push(Chain { pcurves: Vec::new(), line: Some((corners, *label)), winding: [0, 0], edges: Vec::new() });
+    chains.push(TracedLoop { pcurves: Vec::new(), line: Some((corners, *label)), winding: [0, 0], edges: Vec::new() });
     *label += 4;
     Ok(Plan { seam: None, sense_matters: false })
 }
 
 /// The chain's samples as a polygon of natural parameters.
-fn rough(c: &Chain) -> Polygon {
+fn rough(c: &TracedLoop) -> Polygon {
     let points: Vec<[f64; 2]> = c.nodes().copied().collect();
     let edge = vec![Side::added(0); points.len()];
     Polygon { points, edge }
 }
 
 /// Shifts the smaller loops by periods into the largest.
-fn gather(chains: &mut [Chain], areas: &[f64], periods: &[Option<f64>; 2]) {
+fn gather(chains: &mut [TracedLoop], areas: &[f64], periods: &[Option<f64>; 2]) {
     let Some(largest) = (0..chains.len()).max_by(|&i, &j| areas[i].abs().total_cmp(&areas[j].abs())) else { return };
     let outer = rough(&chains[largest]);
     for i in (0..chains.len()).filter(|&i| i != largest) {
@@ -123,12 +123,12 @@ fn gather(chains: &mut [Chain], areas: &[f64], periods: &[Option<f64>; 2]) {
 }
 
 /// Shifts all chains by whole periods so that they begin in the domain of a spline.
-fn into_domain(support: &SupportSurface, chains: &mut [Chain], periods: &[Option<f64>; 2]) {
+fn into_domain(support: &SupportSurface, chains: &mut [TracedLoop], periods: &[Option<f64>; 2]) {
     let SupportSurface::Spline(s) = support else { return };
     let (u, v) = s.surface.domain();
     for (k, start) in [(0, u.0), (1, v.0)] {
         let Some(p) = periods[k] else { continue };
-        let lo = chains.iter().flat_map(Chain::nodes).map(|q| q[k]).fold(f64::INFINITY, f64::min);
+        let lo = chains.iter().flat_map(TracedLoop::nodes).map(|q| q[k]).fold(f64::INFINITY, f64::min);
         let d = -((lo - start) / p + SAME_PARAMETER).floor() * p;
         let mut by = [0.0; 2];
         by[k] = d;
@@ -137,7 +137,7 @@ fn into_domain(support: &SupportSurface, chains: &mut [Chain], periods: &[Option
 }
 
 /// Mean of the natural parameter `k` over a chain.
-fn mean(c: &Chain, k: usize) -> f64 {
+fn mean(c: &TracedLoop, k: usize) -> f64 {
     let (n, s) = c.nodes().fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q[k]));
     if n > 0.0 {
         s / n
@@ -149,7 +149,7 @@ fn mean(c: &Chain, k: usize) -> f64 {
 /// Adds lines at poles where windings do not sum to nothing.
 fn close_at_poles(
     support: &SupportSurface,
-    chains: &mut Vec<Chain>,
+    chains: &mut Vec<TracedLoop>,
     axis: usize,
     period: f64,
     label: &mut u32,
@@ -158,7 +158,7 @@ fn close_at_poles(
     let sum: i32 = chains.iter().map(|c| c.winding[axis]).sum();
     let poles: Vec<f64> = support.poles().iter().filter(|p| p.axis == across).map(|p| p.value).collect();
     let mut wanted = Vec::new(); // (winding of the line, value)
-    let winding: Vec<&Chain> = chains.iter().filter(|c| c.winding[axis] != 0).collect();
+    let winding: Vec<&TracedLoop> = chains.iter().filter(|c| c.winding[axis] != 0).collect();
     let reach =
         |f: fn(f64, f64) -> f64, start: f64| winding.iter().flat_map(|c| c.nodes()).map(|q| q[across]).fold(start, f);
     let (lo, hi) = (reach(f64::min, f64::INFINITY), reach(f64::max, f64::NEG_INFINITY));
@@ -197,7 +197,12 @@ fn close_at_poles(
         ends[1][axis] = f64::from(turn) * period;
         let mut winding = [0; 2];
         winding[axis] = turn;
-        chains.push(Chain { pcurves: Vec::new(), line: Some((ends.to_vec(), *label)), winding, edges: Vec::new() });
+        chains.push(TracedLoop {
+            pcurves: Vec::new(),
+            line: Some((ends.to_vec(), *label)),
+            winding,
+            edges: Vec::new(),
+        });
         *label += 1;
     }
     Ok(())
@@ -206,7 +211,7 @@ fn close_at_poles(
 /// Checks that one winding loop is on the material side of the other; on doubly closed surfaces shifts it there, and
 /// the holes in between.
 fn order_across(
-    chains: &mut [Chain],
+    chains: &mut [TracedLoop],
     (axis, period): (usize, f64),
     period_across: Option<f64>,
 ) -> Result<(), TrimError> {
@@ -258,7 +263,7 @@ fn order_across(
 const DOUBT: f64 = 2.0;
 
 /// Mean of the parameter across a loop that winds around, over the parameter along: by all of its nodes, and by every other one.
-fn level(c: &Chain, axis: usize, period: f64) -> [f64; 2] {
+fn level(c: &TracedLoop, axis: usize, period: f64) -> [f64; 2] {
     let whole = f64::from(c.winding[axis]) * period;
     let nodes: Vec<[f64; 2]> = c.nodes().copied().collect();
     let mean = |step: usize| {
@@ -274,7 +279,7 @@ fn level(c: &Chain, axis: usize, period: f64) -> [f64; 2] {
 }
 
 /// Whether a place lies above a loop that winds around once: a line straight down from it crosses the loop an odd number of times.
-fn above(c: &Chain, axis: usize, period: f64, q: [f64; 2]) -> bool {
+fn above(c: &TracedLoop, axis: usize, period: f64, q: [f64; 2]) -> bool {
     let across = 1 - axis;
     let mut nodes: Vec<[f64; 2]> = c.nodes().copied().collect();
     let Some(&first) = nodes.first() else { return false };
@@ -299,7 +304,7 @@ fn above(c: &Chain, axis: usize, period: f64, q: [f64; 2]) -> bool {
 
 /// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that
 /// is no worse.
-fn quiet_line(support: &SupportSurface, chains: &[Chain], axis: usize, period: f64) -> (f64, usize) {
+fn quiet_line(support: &SupportSurface, chains: &[TracedLoop], axis: usize, period: f64) -> (f64, usize) {
     let mut candidates = Vec::new();
     if let SupportSurface::Spline(s) = support {
         candidates.push(if axis == 0 { s.surface.domain().0 .0 } else { s.surface.domain().1 .0 });
@@ -396,7 +401,7 @@ struct Stretch {
 /// Cuts polygons (in spline parameters) along the seam. Every answer lies between the seam and its next copy.
 pub(super) fn cut_polygons(
     polygons: &[Polygon],
-    chains: &[Chain],
+    chains: &[TracedLoop],
     seam: &Seam,
     map: &[ParameterMap; 2],
     periods: [Option<f64>; 2],

@@ -23,7 +23,7 @@ use crate::geom::placement::Placement;
 use crate::geom::{BBox, Frame};
 use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
-use pcurve::{Chain, POINT_SHARE, WHOLE_PERIOD};
+use pcurve::{TracedLoop, POINT_SHARE, WHOLE_PERIOD};
 use std::sync::Arc as Shared;
 
 /// Share of the boundary's extent below which chords are no closer, whatever is asked for.
@@ -68,7 +68,7 @@ fn faces_on(
     };
     let mut loops = loops.clone();
     let given = loops.iter().any(|l| !l.edges.is_empty());
-    if carrier_has_free_seams(&raw.support) {
+    if support_has_free_seams(&raw.support) {
         loops = loops.into_iter().flat_map(without_slits).collect();
     }
     if loops.iter().all(|l| l.edges.is_empty()) {
@@ -102,7 +102,7 @@ fn faces_on(
 }
 
 /// A support on which an edge run in both directions is never a needed seam.
-fn carrier_has_free_seams(c: &SupportSurface) -> bool {
+fn support_has_free_seams(c: &SupportSurface) -> bool {
     matches!(c, SupportSurface::Sphere { .. }) || c.periods() == [None, None]
 }
 
@@ -253,14 +253,14 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
 }
 
 /// Box of natural parameters around the chains: a margin where the support goes on, none at its ends and poles.
-fn margins(support: &SupportSurface, chains: &[Chain], plan: &cut::Plan) -> [(f64, f64); 2] {
+fn margins(support: &SupportSurface, chains: &[TracedLoop], plan: &cut::Plan) -> [(f64, f64); 2] {
     let (limits, periods, poles) = (support.limits(), support.periods(), support.poles());
     [0, 1].map(|k| {
         if let Some(seam) = plan.seam.as_ref().filter(|s| s.axis == k) {
             return (seam.at, seam.at + periods[k].unwrap_or(0.0));
         }
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for q in chains.iter().flat_map(Chain::nodes) {
+        for q in chains.iter().flat_map(TracedLoop::nodes) {
             (lo, hi) = (lo.min(q[k]), hi.max(q[k]));
         }
         let width = (hi - lo).max(LEAST_WIDTH);

@@ -42,7 +42,7 @@ const DEEPEST: u32 = 14;
 /// curve; where there are more, feet scatter (on surfaces a million times larger than the face, say), …
 const VAIN: usize = 256;
 /// … and so many halvings are enough: finer chords would follow the scatter, and cost minutes.
-const ENOUGH: u32 = 6;
+const DEEPEST_IN_VAIN: u32 = 6;
 
 /// One piece of an edge with samples in the unwrapped natural parameter plane.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ pub(super) struct Pcurve {
 
 /// A closed loop in the unwrapped plane: it ends where it began, up to `winding` periods.
 #[derive(Clone, Debug)]
-pub(super) struct Chain {
+pub(super) struct TracedLoop {
     /// The pieces in order; empty for straight lines.
     pub pcurves: Vec<Pcurve>,
     /// Straight lines that the reader adds: corners, and the label of the first side (the others follow). A line along
@@ -87,7 +87,7 @@ pub(super) struct Chords {
     pub deviation: f64,
 }
 
-impl Chain {
+impl TracedLoop {
     /// All samples.
     pub fn nodes(&self) -> impl Iterator<Item = &[f64; 2]> {
         let line = self.line.iter().flat_map(|l| l.0.iter());
@@ -168,7 +168,7 @@ fn lifted(x: f64, near: f64, period: Option<f64>) -> f64 {
 }
 
 /// Traces a loop; nothing if it is shorter than a point. `label` counts the edges of the face.
-pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Option<Chain>, TrimError> {
+pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Option<TracedLoop>, TrimError> {
     let periods = ground.periods;
     let mut pcurves: Vec<Pcurve> = Vec::new();
     let mut edges = Vec::new();
@@ -208,7 +208,7 @@ pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Opt
         }
         if i + 1 == n {
             let winding = [0, 1].map(|k| periods[k].map_or(0, |p| ((target[k] - start[k]) / p).round() as i32));
-            return Ok(Some(Chain { pcurves, line: None, winding, edges }));
+            return Ok(Some(TracedLoop { pcurves, line: None, winding, edges }));
         }
         let next = &mut pcurves[i + 1];
         let d = [target[0] - next.qs[0][0], target[1] - next.qs[0][1]];
@@ -436,7 +436,7 @@ fn snap(support: &SupportSurface, qs: &mut [[f64; 2]]) {
 /// feet on the surface.
 pub(super) fn chords(
     support: &SupportSurface,
-    chain: &Chain,
+    chain: &TracedLoop,
     map: &[ParameterMap; 2],
     size: f64,
     tolerance: f64,
@@ -588,7 +588,7 @@ impl Walk<'_> {
     fn between(&mut self, p: (f64, [f64; 2]), q: (f64, [f64; 2]), depth: u32) -> Result<(), TrimError> {
         let b = self.forward(q.1);
         let (worst, seen, middle) = self.between_ends(p, q);
-        let deepest = if self.vain > VAIN { ENOUGH } else { DEEPEST };
+        let deepest = if self.vain > VAIN { DEEPEST_IN_VAIN } else { DEEPEST };
         if worst <= self.tolerance || depth >= deepest {
             self.vain += usize::from(worst > self.tolerance);
             self.deviation = self.deviation.max(seen);
@@ -668,7 +668,7 @@ mod tests {
         let arc = Arc { curve: SpaceCurve::Spline(spline), from: 0.0, to: 1.0 };
         let ground = Ground::new(&support, 10.0, 0.0);
         let pcurve = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
-        let chain = Chain { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
+        let chain = TracedLoop { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
         let map = [ParameterMap::Same, ParameterMap::Same];
         for tolerance in [1e-3, 2e-4, 5e-5, 1e-5] {
             let points = chords(&support, &chain, &map, 10.0, tolerance).expect("chords").polygon.points;
@@ -699,7 +699,7 @@ mod tests {
         let frame = Frame { origin: Vec3::new(0.0, 0.0, 3.0), ..Frame::world() };
         let arc = Arc { curve: SpaceCurve::Ellipse { frame, a: 2.0, b: 2.0 }, from: -0.7, to: 0.7 };
         let pcurve = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
-        let chain = Chain { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
+        let chain = TracedLoop { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
         let same = [ParameterMap::Same, ParameterMap::Same];
         let found = chords(&support, &chain, &same, size, 1e-5 * size).expect("chords").polygon.points.len();
         assert!(found > VAIN, "the feet do not scatter: {found} chords");

@@ -28,7 +28,7 @@ use crate::spline::surface::Surface;
 use crate::torse::strip::Strip;
 
 /// A bound of this share of the tolerance is good enough for a ruling or a mark: no strip is looked for that gives less.
-pub(super) const ENOUGH: f64 = 1e-3;
+pub(super) const GOOD_BOUND: f64 = 1e-3;
 
 /// A motion that moves nothing.
 pub(super) const STILL: Motion = Motion { turn: [1.0, 0.0], from: [0.0; 2], to: [0.0; 2] };
@@ -142,7 +142,7 @@ fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f
         Some(bound) => out.outline_bound = bound,
         None => missing = Err(FlatFault::Outline(Of::Strips)),
     }
-    let enough = ENOUGH * tolerance;
+    let enough = GOOD_BOUND * tolerance;
     let lines: Vec<DrawnRulings> = laid.links.iter().map(|l| DrawnRulings::new(&l.rails, motion)).collect();
     let rulings = parallel::map(pattern.rulings.iter(), |r| ruling_bound(&lines, &r.map(|p| [p.x, p.y]), enough));
     match worst(rulings) {

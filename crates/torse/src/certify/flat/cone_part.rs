@@ -6,7 +6,7 @@
 //! space these curves are within it too of the edges that files hold. Every ruling drawn lies within `ruling_bound` of the
 //! image of one. Pieces are trimmed patches, one after the other along their joints, found from any of them on.
 
-use super::chain::{self, ruling_bound, ENOUGH, STILL};
+use super::chain::{self, ruling_bound, GOOD_BOUND, STILL};
 use super::matching::{backwards, directed, laid_on, motion_of, Walk};
 use super::outline::{chain_bound, Image, Motion};
 use super::rails::{Change, FlatRails};
@@ -30,7 +30,7 @@ use crate::torse::cone::part::{ConeBody, ConePart, PartCurve};
 use crate::torse::strip::Strip;
 
 /// A piece in the plane.
-struct Piece<'a> {
+struct FlatPatch<'a> {
     patch: &'a Surface,
     rails: FlatRails,
     jets: RuledJets,
@@ -127,7 +127,7 @@ fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, toleran
     let drawn: Vec<DrawnRulings> = laid.pieces.iter().map(|p| DrawnRulings::new(&p.rails, p.motion)).collect();
     let mut rulings = 0.0f64;
     for r in &pattern.rulings {
-        let off = ruling_bound(&drawn, &r.map(|p| [p.x, p.y]), ENOUGH * tolerance);
+        let off = ruling_bound(&drawn, &r.map(|p| [p.x, p.y]), GOOD_BOUND * tolerance);
         rulings = rulings.max(off.ok_or(FlatFault::Ruling(Of::Pieces))?);
     }
     out.ruling_bound = rulings;
@@ -143,7 +143,7 @@ fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, toleran
 
 /// All pieces side by side.
 struct Laid<'a> {
-    pieces: Vec<Piece<'a>>,
+    pieces: Vec<FlatPatch<'a>>,
     /// Loops of the border, the greatest first, walked along.
     walks: Vec<(Vec<BorderEdge>, Walk)>,
     /// Distance in space of trimming curves from the edges of files.
@@ -152,13 +152,13 @@ struct Laid<'a> {
 
 impl<'a> Laid<'a> {
     fn new(part: &'a ConePart, side: f64, tolerance: f64) -> Result<Self, FlatFault> {
-        let flat = |patch: &'a Surface| -> Option<Piece<'a>> {
+        let flat = |patch: &'a Surface| -> Option<FlatPatch<'a>> {
             let ruled = Ruled::new(patch)?;
             let rails = FlatRails::new(&ruled, &|_, _| Some(Interval::new(0.0, 1.0)), side)?;
             let jets = RuledJets::new(&ruled, &[0.0; 3]);
-            Some(Piece { patch, rails, jets, motion: STILL })
+            Some(FlatPatch { patch, rails, jets, motion: STILL })
         };
-        let pieces: Option<Vec<Piece>> = part.faces.iter().map(|f| flat(&f.blank.patch)).collect();
+        let pieces: Option<Vec<FlatPatch>> = part.faces.iter().map(|f| flat(&f.blank.patch)).collect();
         let pieces = pieces.ok_or(FlatFault::NoMap)?;
         let mut out = Self { pieces, walks: Vec::new(), edges: 0.0 };
         out.join(part).ok_or(FlatFault::Apart)?;
@@ -257,7 +257,7 @@ fn joints(part: &ConePart) -> Option<Vec<(usize, [usize; 2])>> {
     part.joints().into_iter().map(|e| <[usize; 2]>::try_from(users(e)).ok().map(|both| (e, both))).collect()
 }
 
-impl Piece<'_> {
+impl FlatPatch<'_> {
     /// Parameters of a vertex on the patch: those of its place where that is on this piece's segment, else those of the
     /// nearest point of the nearer end ruling. Numbers only: how far they are off is bounded.
     fn seen(&self, part: &ConePart, face: usize, vertex: usize) -> Option<[f64; 2]> {

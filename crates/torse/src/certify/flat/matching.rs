@@ -96,7 +96,7 @@ pub(super) fn motion_of(walk: &Walk, contour: &[ContourVertex], flip: f64) -> Op
     };
     let pairs = pairs_of(&rough)?;
     // Few ends of runs say less than all of the contour.
-    let motion = if pairs.len() < ENOUGH { rough } else { Motion::between(&pairs)? };
+    let motion = if pairs.len() < FEWEST_ENDS { rough } else { Motion::between(&pairs)? };
     Some((motion, farthest(&motion, &pairs)))
 }
 
@@ -112,7 +112,7 @@ pub(super) fn laid_on(walk: &Walk, contour: &[ContourVertex], motion: &Motion) -
 }
 
 /// Ends of runs from which on a motion follows from them.
-const ENOUGH: usize = 3;
+const FEWEST_ENDS: usize = 3;
 
 fn flipped(p: [f64; 2], flip: f64) -> [f64; 2] {
     [p[0], flip * p[1]]

@@ -342,12 +342,12 @@ fn between_corners(contour: &Contour) -> Vec<Vec<ContourVertex>> {
 
 /// Where the drawing shows the panel: by its corners, or by the whole outline where these are too few.
 fn motion(rails: &FlatRails, chains: &[(&Coedge, Vec<ContourVertex>)]) -> Option<Motion> {
-    const ENOUGH: usize = 3;
+    const FEWEST_CORNERS: usize = 3;
     let still = Motion { turn: [1.0, 0.0], from: [0.0; 2], to: [0.0; 2] };
     let mut pairs = Vec::new();
     for (run, chain) in chains {
         let image = Image { flat: rails, trim: &run.trim, motion: still };
-        if chains.len() < ENOUGH {
+        if chains.len() < FEWEST_CORNERS {
             pairs.extend(pairs_by_length(&image, chain)?);
         } else {
             pairs.push((image.place(0.0)?, [chain[0].point.x, chain[0].point.y]));

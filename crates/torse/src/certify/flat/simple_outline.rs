@@ -60,7 +60,7 @@ fn without_spikes(mut ring: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// A contour as a polygon: arcs as chords over which they rise less than `rise` (mm).
 fn chords(contour: &Contour, rise: f64) -> Vec<[f64; 2]> {
     /// Chords of an arc at most.
-    const MOST: f64 = 256.0;
+    const MOST_CHORDS: f64 = 256.0;
     let v = &contour.vertices;
     let mut out = Vec::new();
     for k in 0..v.len() {
@@ -75,7 +75,7 @@ fn chords(contour: &Contour, rise: f64) -> Vec<[f64; 2]> {
         let centre = a + chord * 0.5 + left * (0.25 * (1.0 / bulge - bulge));
         let radius = (a - centre).norm();
         let step = 2.0 * (1.0 - (rise / radius).min(1.0)).acos();
-        let parts = (angle.abs() / step).ceil().clamp(1.0, MOST) as usize;
+        let parts = (angle.abs() / step).ceil().clamp(1.0, MOST_CHORDS) as usize;
         for i in 1..parts {
             let (sin, cos) = (angle * i as f64 / parts as f64).sin_cos();
             let r = a - centre;

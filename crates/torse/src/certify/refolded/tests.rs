@@ -36,7 +36,7 @@ fn parameter(angle: f64) -> f64 {
 }
 
 /// A rectangle bent to a cylinder of a radius in `n` spans, with its outline.
-fn strip(n: usize, radius: f64) -> (Vec<Span>, Vec<Along>, Vec<Piece>) {
+fn strip(n: usize, radius: f64) -> (Vec<Span>, Vec<Along>, Vec<SpanChord>) {
     let angle = |k: usize| -0.5 * TURN + TURN * k as f64 / n as f64;
     let step = RADIUS * TURN / n as f64;
     let rates = Rates { turn: step / radius, across: step, ..Rates::default() };
@@ -61,25 +61,25 @@ fn strip(n: usize, radius: f64) -> (Vec<Span>, Vec<Along>, Vec<Piece>) {
         .map(|k| Along { at: [parameter(angle(k)), 0.0], slope: [0.0, -1.0 / HEIGHT], bend: [0.0; 2] })
         .collect();
     let drawn = |k: usize, v: f64| Vec2::new(step * k as f64, -v);
-    let low = (0..n).map(|k| Piece {
+    let low = (0..n).map(|k| SpanChord {
         span: k,
         ends: [[0.0, 0.0], [1.0, 0.0]],
         border: [k, k + 1].map(|k| parameter(angle(k))),
         drawn: Some([drawn(k, 0.0), drawn(k + 1, 0.0)]),
     });
-    let high = (0..n).rev().map(|k| Piece {
+    let high = (0..n).rev().map(|k| SpanChord {
         span: k,
         ends: [[1.0, -HEIGHT], [0.0, -HEIGHT]],
         border: [k + 1, k].map(|k| 3.0 - parameter(angle(k))),
         drawn: Some([drawn(k + 1, -HEIGHT), drawn(k, -HEIGHT)]),
     });
-    let side = |span: usize, s: f64, ways: [f64; 2], border: [f64; 2], k: usize| Piece {
+    let side = |span: usize, s: f64, ways: [f64; 2], border: [f64; 2], k: usize| SpanChord {
         span,
         ends: ways.map(|v| [s, v]),
         border,
         drawn: Some(ways.map(|v| drawn(k, v))),
     };
-    let mut line: Vec<Piece> = low.collect();
+    let mut line: Vec<SpanChord> = low.collect();
     line[0].border[0] = 0.0;
     line[n - 1].border[1] = 1.0;
     line.push(side(n - 1, 1.0, [0.0, -HEIGHT], [1.0, 2.0], n));
@@ -92,7 +92,7 @@ fn strip(n: usize, radius: f64) -> (Vec<Span>, Vec<Along>, Vec<Piece>) {
 
 const BORDER: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
-fn bound(n: usize, radius: f64, change: impl Fn(&mut Vec<Span>, &mut Vec<Piece>)) -> Result<f64, Unshown> {
+fn bound(n: usize, radius: f64, change: impl Fn(&mut Vec<Span>, &mut Vec<SpanChord>)) -> Result<f64, Unshown> {
     let (mut spans, places, mut line) = strip(n, radius);
     change(&mut spans, &mut line);
     let (surface, borders) = (patch(), [BORDER.to_vec()]);
@@ -157,7 +157,8 @@ fn rulings_across_those_of_the_panel_are_followed() {
     let rates = Rates { across: step, ..Rates::default() };
     let spans = [Span { flat: pose, space: pose, in_plane: rates, in_space: rates, reach: [-HEIGHT, 0.0] }];
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, -HEIGHT], [0.0, -HEIGHT]];
-    let piece = |k: usize| Piece { span: 0, ends: [corners[k], corners[(k + 1) % 4]], border: [0.0; 2], drawn: None };
+    let piece =
+        |k: usize| SpanChord { span: 0, ends: [corners[k], corners[(k + 1) % 4]], border: [0.0; 2], drawn: None };
     let borders = [BORDER.to_vec()];
     let found = [false, true].map(|curved| {
         let places = [from, from + step].map(|x| ruling(x, curved)).to_vec();
@@ -178,7 +179,7 @@ fn beyond_the_part_nothing_is_asked() {
     // A part that ends along a line across one wide span: only beside it would its corner be off.
     let (mut spans, places, _) = strip(1, RADIUS);
     spans[0].in_space.spin = 0.05;
-    let piece = |[a, b]: [[f64; 2]; 2]| Piece { span: 0, ends: [a, b], border: [0.0; 2], drawn: None };
+    let piece = |[a, b]: [[f64; 2]; 2]| SpanChord { span: 0, ends: [a, b], border: [0.0; 2], drawn: None };
     let [a, b, c] = [[0.0, 0.0], [1.0, -HEIGHT], [0.0, -HEIGHT]];
     let lines = vec![(0, vec![piece([a, b]), piece([b, c]), piece([c, a])])];
     let (surface, borders) = (patch(), [BORDER.to_vec()]);

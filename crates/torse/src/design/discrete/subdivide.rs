@@ -71,7 +71,7 @@ impl Subdivided {
 }
 
 /// Most quadrilaterals of a result.
-const MOST: usize = 1 << 18;
+const MOST_QUADS: usize = 1 << 18;
 
 /// Planarises a strip, then refines and planarises it again, level by level.
 ///
@@ -92,8 +92,8 @@ pub fn subdivide(
 ) -> Result<Subdivided, DiscreteError> {
     let quads = strip.quads();
     let fits = u32::try_from(options.levels).ok().and_then(|l| 1usize.checked_shl(l));
-    if fits.and_then(|f| f.checked_mul(quads)).is_none_or(|q| q > MOST) {
-        return Err(DiscreteError::Levels { levels: options.levels, quads, most: MOST });
+    if fits.and_then(|f| f.checked_mul(quads)).is_none_or(|q| q > MOST_QUADS) {
+        return Err(DiscreteError::Levels { levels: options.levels, quads, most: MOST_QUADS });
     }
     let mut current = planarise(strip, &options.planarise, control)?;
     let mut levels = vec![LevelReport::of(&current)];

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 /// A run of rulings between two curves (or one curve and itself), in order.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chain {
+pub struct RulingChain {
     /// Curves of the first and second ends.
     pub rails: [usize; 2],
     /// Parameters of the rulings' ends; on closed curves they go on beyond the domain. Each column is monotone.
@@ -45,7 +45,7 @@ pub(super) fn chains(
     facet_of: &[Option<usize>],
     facets: &[[OnRail; 3]],
     control: &Control,
-) -> (Vec<Chain>, Vec<usize>) {
+) -> (Vec<RulingChain>, Vec<usize>) {
     let mut owner: HashMap<[usize; 2], usize> = HashMap::new();
     for (t, f) in sampled.triangles.iter().enumerate() {
         owner.extend(sides(f).into_iter().map(|e| (e, t)));
@@ -158,7 +158,7 @@ fn turned(sampled: &Sampled, walk: &mut Walk) {
 }
 
 /// The chain with its rulings where they belong.
-fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: &Control) -> Option<Chain> {
+fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: &Control) -> Option<RulingChain> {
     let closed = walk.ends[1] == End::Closed;
     if closed && walk.edges.first() != walk.edges.last() {
         return None;
@@ -211,7 +211,7 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
     }
     let tips = if closed { [false; 2] } else { walk.ends.map(|e| e == End::Tip) };
     let turns = walk.ends.map(|e| matches!(e, End::Turn { .. }));
-    Some(Chain { rails, stations, joints, closed, tips, turns })
+    Some(RulingChain { rails, stations, joints, closed, tips, turns })
 }
 
 /// Edges beside a turn at which the side that does not turn is kept: where the other one hardly moves, two places belong to each of
@@ -413,7 +413,7 @@ const TRIED: f64 = 1e-3;
 /// coplanar with both tangents: rounding of the determinant, which is of third order in the length l, moves the middle by
 /// no more than its share of l⁻², and the tangent planes by its share of l⁻¹.
 pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64) -> Vec<[f64; 2]> {
-    const MOST: usize = 60;
+    const HALVINGS: usize = 60;
     const KNOWN: usize = 3;
     let n = rail.pieces.len() as f64;
     let point = |s: f64| rail.point(wrap(rail, s));
@@ -432,7 +432,7 @@ pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64)
         .iter()
         .map(|s| [0.5 * (s[1] - turns - s[0]), 0.5 * (s[0] + s[1] - turns)])
         .collect();
-    for _ in 0..MOST {
+    for _ in 0..HALVINGS {
         let half = 0.5 * known[KNOWN - 1][0];
         let middle = righted(rail, half, extrapolated(&known, half));
         let next = [middle - half, middle + half + turns];

@@ -16,7 +16,7 @@ use crate::geom::convex_hull::sides;
 use crate::geom::Vec3;
 use crate::num::parallel;
 use crate::torse::rail::Rail;
-use chains::Chain;
+use chains::RulingChain;
 pub(crate) use contact::OnRail;
 use contact::{coplanarity, is_corner, opposite, tangent_plane, tangents};
 pub use sampled::HullError;
@@ -41,7 +41,7 @@ pub struct Hull {
     /// Curves with the boundary of a planar piece of the hull, and whether all of the curve lies in its plane.
     pub lids: Vec<(usize, bool)>,
     /// Runs of rulings that follow each other; facets along a straight piece of a curve belong to them.
-    pub chains: Vec<Chain>,
+    pub chains: Vec<RulingChain>,
     /// Facets (indices) that belong to no chain: those with three rulings as sides, or one.
     pub single: Vec<usize>,
     /// The triangles of the samples' own hull, without planar pieces inside one curve: what all of the above is about.

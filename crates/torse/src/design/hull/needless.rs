@@ -8,7 +8,7 @@ use crate::torse::rail::Rail;
 /// Samples of a curve to begin with, and at most.
 const SAMPLES: [usize; 2] = [256, 4096];
 /// Fewest samples on a piece.
-const LEAST: usize = 8;
+const FEWEST_SAMPLES: usize = 8;
 
 /// Indices of curves that come out of the hull of the ones before and behind them by no more than twice `within` (mm) at
 /// samples; before and behind along the line between the two curves that are farthest apart. These two are never among them.
@@ -59,7 +59,7 @@ fn steps(rail: &Rail, k: usize, count: usize) -> usize {
     if rail.is_straight(k) {
         1
     } else {
-        count.div_ceil(rail.pieces.len()).max(LEAST)
+        count.div_ceil(rail.pieces.len()).max(FEWEST_SAMPLES)
     }
 }
 

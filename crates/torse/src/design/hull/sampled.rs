@@ -33,7 +33,7 @@ pub enum HullError {
 /// Distance from a plane, as a share of the size, up to which a curve is planar: rounding of points as tables print them.
 const PLANAR: f64 = 1e-8;
 /// Fewest samples on a piece.
-const LEAST: usize = 4;
+const FEWEST_SAMPLES: usize = 4;
 
 /// Curves as points, and the triangles of their hull.
 pub(super) struct Sampled<'a> {
@@ -77,7 +77,7 @@ impl<'a> Sampled<'a> {
         };
         for (r, rail) in rails.iter().enumerate() {
             let first = out.at.len();
-            let per = samples.div_ceil(rail.pieces.len().max(1)).max(LEAST);
+            let per = samples.div_ceil(rail.pieces.len().max(1)).max(FEWEST_SAMPLES);
             for k in 0..rail.pieces.len() {
                 let n = if rail.is_straight(k) { 1 } else { per };
                 out.at.extend((0..n).map(|i| on(rails, r, k as f64 + i as f64 / n as f64)));

@@ -11,14 +11,14 @@ use crate::spline::lsq::fit;
 use crate::torse::rail::{tangent, Rail};
 
 /// Spans from which on a piece is worth following: fewer are no trouble.
-const MANY: usize = 8;
+const LONG: usize = 8;
 /// Degree of the splines. At a tip the torsion vanishes, which has the third derivative; where the middles of short rulings
 /// lie depends on its second derivative, the fifth; these are to have a continuous derivative more.
 const DEGREE: usize = 7;
 /// Spans with which the search begins.
 const FEWEST: usize = 8;
 /// Spans that are few, even of a curve with fewer.
-const FEW: usize = 64;
+const SPARSE: usize = 64;
 /// Places per span at which the given curve is met; a spline has one unknown per span.
 const PLACES: usize = 4;
 /// Spans by which a closed piece is gone round on both sides. What happens at the far ends falls with every span to less
@@ -54,13 +54,13 @@ fn followed(given: &Curve<4>, tolerance: f64, wraps: bool, control: &Control) ->
     let spans = breaks.len() - 1;
     let smooth = given.knots.distinct().iter().all(|(t, m)| *t <= 0.0 || *t >= 1.0 || m + 2 <= given.knots.degree());
     let plain = given.control.iter().all(|c| c[3] == 1.0);
-    if spans < MANY || !smooth || !plain {
+    if spans < LONG || !smooth || !plain {
         return None;
     }
     let place = |t: f64| Vec3::from_column_slice(&given.point(t)[..3]);
     let places: Vec<f64> = breaks.windows(2).flat_map(|w| [w[0], 0.5 * (w[0] + w[1])]).collect();
     let mut count = FEWEST;
-    while count <= spans.max(FEW) && !control.stopped() {
+    while count <= spans.max(SPARSE) && !control.stopped() {
         let found = with_spans(&place, count, wraps)?;
         let near = |t: &f64| (Vec3::from_column_slice(&found.point(*t)[..3]) - place(*t)).norm() <= tolerance;
         if places.iter().all(near) {

@@ -1,7 +1,7 @@
 //! Exact strips along the chains of a hull: fans and facets as cones and planes, the rest as between any two rails
 //! \[W15, 5.4\].
 
-use super::chains::{towards_tip, Chain};
+use super::chains::{towards_tip, RulingChain};
 use super::{Hull, HullError};
 use crate::control::Control;
 use crate::design::loft::build::{between_pieces, BuildOptions, BuiltStrip};
@@ -89,7 +89,7 @@ pub fn strips(
 /// `rails` are the curves, as given and reversed.
 fn part(
     (rails, reversed): (&[Rail], &[Rail]),
-    chain: &Chain,
+    chain: &RulingChain,
     tip: f64,
     options: &BuildOptions,
     control: &Control,

@@ -94,7 +94,7 @@ pub(crate) struct Grid {
 
 /// Crossings in order along a zero line; both coordinates continuous.
 #[derive(Clone, Debug)]
-pub(crate) struct Chain {
+pub(crate) struct ZeroLine {
     pub points: Vec<[f64; 2]>,
     pub closed: bool,
 }
@@ -126,7 +126,7 @@ impl Grid {
 
     /// Zero lines: crossings polished along grid lines by `f`, joined.
     #[expect(clippy::too_many_lines, reason = "one march with its state")]
-    pub fn chains(&self, f: &dyn Fn(f64, f64) -> f64) -> Vec<Chain> {
+    pub fn chains(&self, f: &dyn Fn(f64, f64) -> f64) -> Vec<ZeroLine> {
         let (na, nb) = (self.x.len(), self.y.len());
         let (ca, cb) =
             (if self.period[0].is_some() { na } else { na - 1 }, if self.period[1].is_some() { nb } else { nb - 1 });
@@ -214,7 +214,7 @@ impl Grid {
                     break;
                 }
                 if points.len() > 1 {
-                    out.push(Chain { points, closed });
+                    out.push(ZeroLine { points, closed });
                 }
             }
         }
@@ -272,7 +272,7 @@ pub(crate) fn root(f: &dyn Fn(f64) -> f64, ends: [f64; 2], values: [f64; 2]) -> 
 }
 
 /// Cuts a chain into runs.
-fn runs(chain: &Chain, ta: &Track, tb: &Track) -> Vec<Branch> {
+fn runs(chain: &ZeroLine, ta: &Track, tb: &Track) -> Vec<Branch> {
     let n = chain.points.len() - 1;
     // Class of a step: direction (+1, −1; 0 where one rail rests) and type (1 regular, 2 double cone, 0 unknown).
     let class: Vec<(i8, u8)> = (0..n)

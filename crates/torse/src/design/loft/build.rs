@@ -67,7 +67,7 @@ const AT_END: f64 = 1e-5;
 /// Halvings of a span.
 const DEEPEST: usize = 9;
 /// Most spans of a strip: at so many, halving on would take longer than anybody waits.
-const MOST: usize = 800;
+const MOST_SPANS: usize = 800;
 /// Samples per span where rails and twist are looked at.
 const PROBES: usize = 8;
 /// Angles and relative lengths below which a strip is called a plane, cylinder or cone.
@@ -516,7 +516,7 @@ impl<'a> Path<'a> {
                 let twist = x.cross(&y).norm().atan2(x.dot(&y));
                 near && (!self.exact || twist <= options.twist_tolerance)
             });
-        if good || out.len() >= MOST {
+        if good || out.len() >= MOST_SPANS {
             out.push(Span { from: w0, rails, parameters });
             return;
         }

@@ -17,7 +17,7 @@ const LOOKED_AT: usize = 16;
 /// Stations that the end of a run may have beside the place where it turned off.
 const TURNED_OFF: usize = 8;
 /// Share of both tracks that runs must pass to be linked, corners included: shorter ones are crumbs of the grid.
-const LEAST: f64 = 1e-3;
+const LEAST_LENGTH: f64 = 1e-3;
 /// Steps of a parameter below which a rail rests.
 const REST: f64 = 1e-10;
 /// Turn (rad) from node to node below which a rail is straight: what rounding leaves of it.
@@ -27,10 +27,10 @@ const PARALLEL: f64 = 1e-10;
 /// Stations on the way through straight parts.
 const THROUGH: usize = 9;
 /// Runs and parts to be linked at most: rails that are all noise have thousands, and none goes on.
-const MOST: usize = 400;
+const MOST_LINKED: usize = 400;
 
 /// A run, or the way through straight parts of both rails.
-struct Piece {
+struct Linkable {
     run: Branch,
     /// Whether runs belong to it: a way through straight parts alone is none.
     is_run: bool,
@@ -45,9 +45,11 @@ pub(super) fn linked(
 ) -> Vec<Branch> {
     let link = Linker { tracks, f };
     let (able, mut out): (Vec<Branch>, Vec<Branch>) = runs.into_iter().partition(|r| link.is_able(r));
-    let mut pieces: Vec<Piece> = able.into_iter().map(|run| Piece { run, is_run: true }).collect();
-    if (1..=MOST).contains(&pieces.len()) {
-        pieces.extend(link.straight_parts(nodes).into_iter().take(MOST).map(|run| Piece { run, is_run: false }));
+    let mut pieces: Vec<Linkable> = able.into_iter().map(|run| Linkable { run, is_run: true }).collect();
+    if (1..=MOST_LINKED).contains(&pieces.len()) {
+        pieces.extend(
+            link.straight_parts(nodes).into_iter().take(MOST_LINKED).map(|run| Linkable { run, is_run: false }),
+        );
         while let Some((p, q, way)) = link.nearest(&pieces) {
             let joined = link.joined(&pieces[p].run, &pieces[q].run, &way, p == q);
             let is_run = pieces[p].is_run || pieces[q].is_run;
@@ -55,7 +57,7 @@ pub(super) fn linked(
             if p != q {
                 pieces.remove(p.min(q));
             }
-            pieces.push(Piece { run: joined, is_run });
+            pieces.push(Linkable { run: joined, is_run });
         }
     }
     out.extend(pieces.into_iter().filter(|p| p.is_run).map(|p| p.run));
@@ -100,12 +102,12 @@ impl Linker<'_> {
     /// Whether a run may be one with others.
     fn is_able(&self, run: &Branch) -> bool {
         let (first, last) = (run.stations[0], run.stations[run.stations.len() - 1]);
-        let is_long = (0..2).all(|d: usize| last[d] - first[d] > LEAST * self.tracks[d].end());
+        let is_long = (0..2).all(|d: usize| last[d] - first[d] > LEAST_LENGTH * self.tracks[d].end());
         !run.closed && is_long && run.kind == BranchType::Regular && run.direction == Direction::Same
     }
 
     /// The two that are nearest to each other, and the way between them.
-    fn nearest(&self, pieces: &[Piece]) -> Option<(usize, usize, Way)> {
+    fn nearest(&self, pieces: &[Linkable]) -> Option<(usize, usize, Way)> {
         let of = |p: usize| {
             let ways = (0..pieces.len())
                 .filter_map(move |q| Some((p, q, self.between(&pieces[p].run, &pieces[q].run, p == q)?)));

@@ -135,7 +135,7 @@ impl<'a> Track<'a> {
     /// belong to it. A closed track's last node, which is its first, is left out.
     pub fn nodes(&self, cells: usize) -> Vec<f64> {
         const PROBES: usize = 16;
-        const LEAST: f64 = 4.0;
+        const FEWEST_PARTS: f64 = 4.0;
         let turn = |s: &Segment| -> f64 {
             match s {
                 Segment::Corner { from, to, .. } => from.angle(to),
@@ -156,7 +156,7 @@ impl<'a> Track<'a> {
         let mut out = Vec::with_capacity(cells + 8 * self.segments.len());
         for (k, (t, l)) in turns.iter().zip(&lengths).enumerate() {
             let share = 0.5 * (t / all_turns + l / all_lengths);
-            let parts = (share * cells as f64).ceil().max(LEAST) as usize;
+            let parts = (share * cells as f64).ceil().max(FEWEST_PARTS) as usize;
             out.extend((0..parts).map(|i| k as f64 + i as f64 / parts as f64));
         }
         if !self.rail.closed {

@@ -7,7 +7,7 @@
 //! their distance (docs/algorithms/refold.md).
 //! *Not guaranteed*: any distance. What comes of the lines is proven when the part is bent back.
 
-use super::turn_profile::{Line, TurnProfile};
+use super::turn_profile::{ProfileLine, TurnProfile};
 use super::BendSpacing;
 use crate::develop::between::{Between, LineSide};
 use crate::geom::{Vec2, Vec3};
@@ -30,14 +30,14 @@ pub(crate) struct Ruling {
 }
 
 /// A ruling at a place of a profile; `true` for what lies behind it where two pieces join.
-pub(crate) type Exact<'a> = dyn Fn(&Line, bool) -> Option<Ruling> + 'a;
+pub(crate) type Exact<'a> = dyn Fn(&ProfileLine, bool) -> Option<Ruling> + 'a;
 
 /// Rounds of new lines at most: each halves stretches.
 const ROUNDS: usize = 8;
 /// Lines are no nearer than this share of the least distance for evenly drawn ones.
 const NEARER: f64 = 0.2;
 /// Lines of a part at most.
-const MOST: usize = 400;
+const MOST_LINES: usize = 400;
 /// Steps in which a stretch is laid.
 const STEPS: usize = 12;
 /// Stretches that leave less than this share of an even part of what is allowed stay as they are.
@@ -50,11 +50,11 @@ const BEYOND: f64 = 4.0;
 /// Lines with those that are needed between them.
 pub(crate) fn dense<K: Copy>(
     profile: &TurnProfile<K>,
-    mut lines: Vec<Line>,
+    mut lines: Vec<ProfileLine>,
     spacing: &BendSpacing,
     size: f64,
     exact: &Exact,
-) -> Vec<Line> {
+) -> Vec<ProfileLine> {
     if !spacing.within.is_finite() || spacing.facets.is_some() || lines.is_empty() {
         return lines;
     }
@@ -62,11 +62,11 @@ pub(crate) fn dense<K: Copy>(
     for _ in 0..ROUNDS {
         let gaps = gaps(profile, &lines, size, exact);
         let whole: f64 = gaps.iter().map(|g| g.left).sum();
-        if whole <= spacing.within || lines.len() >= MOST {
+        if whole <= spacing.within || lines.len() >= MOST_LINES {
             break;
         }
         let even = EVEN * spacing.within / gaps.len() as f64;
-        let more: Vec<Line> = gaps
+        let more: Vec<ProfileLine> = gaps
             .iter()
             .filter(|g| g.left > even && profile.length_between(g.ends) > 2.0 * near)
             .map(|g| profile.halfway(g.ends))
@@ -125,7 +125,7 @@ pub(crate) fn dense_cells(
         let mut left = vec![tip(&first, 0, false)];
         left.extend((0..count - 1).map(|k| stretch(k).map_or(0.0, |s| s.left(0.5 * size))));
         left.push(tip(&last, count.saturating_sub(2), true));
-        if left.iter().sum::<f64>() <= within || count >= MOST {
+        if left.iter().sum::<f64>() <= within || count >= MOST_LINES {
             break;
         }
         let even = EVEN * within / left.len() as f64;
@@ -154,7 +154,7 @@ struct Gap {
     left: f64,
 }
 
-fn gaps<K: Copy>(profile: &TurnProfile<K>, lines: &[Line], size: f64, exact: &Exact) -> Vec<Gap> {
+fn gaps<K: Copy>(profile: &TurnProfile<K>, lines: &[ProfileLine], size: f64, exact: &Exact) -> Vec<Gap> {
     let mut out = Vec::with_capacity(lines.len() + 1);
     let rulings: Vec<[Option<Ruling>; 2]> = lines.iter().map(|l| [false, true].map(|b| exact(l, b))).collect();
     let stretch = |k: usize| -> Option<Stretch> {
@@ -162,7 +162,7 @@ fn gaps<K: Copy>(profile: &TurnProfile<K>, lines: &[Line], size: f64, exact: &Ex
         Stretch::new(a, b, profile.turn_between(&lines[k], &lines[k + 1]))
     };
     let [first, last] = [profile.end(false), profile.end(true)];
-    let tip = |end: &Line, k: usize, behind: bool| -> f64 {
+    let tip = |end: &ProfileLine, k: usize, behind: bool| -> f64 {
         let Some(ruling) = exact(end, !behind) else { return 0.0 };
         // A single line tells of no change.
         stretch(k).and_then(|s| s.beyond(&ruling, behind)).unwrap_or(f64::INFINITY)

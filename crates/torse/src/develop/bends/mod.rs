@@ -12,7 +12,7 @@ use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::pattern::Bend;
 use crate::spline::surface::Surface;
 pub(crate) use dense::{dense, dense_cells, Cell, Ruling};
-pub(crate) use turn_profile::{Line, TurnProfile};
+pub(crate) use turn_profile::{ProfileLine, TurnProfile};
 
 /// How far apart rulings are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]

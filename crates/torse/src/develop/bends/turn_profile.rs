@@ -12,7 +12,7 @@ const FOLD: f64 = 1e-6;
 /// Whole numbers of steps may be exceeded by this share of one before another line is drawn.
 const HAIR: f64 = 0.01;
 /// Most lines drawn.
-const MOST: f64 = 2000.0;
+const MOST_LINES: f64 = 2000.0;
 /// Halvings after which a place is known to the last bit.
 const HALVINGS: usize = 53;
 
@@ -28,7 +28,7 @@ pub(crate) struct TurnProfile<K> {
 
 /// A line that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct ProfileLine {
     /// Place on the profile: index of the place before it, and share of the way to the next.
     pub after: usize,
     /// See `after`.
@@ -41,7 +41,7 @@ pub struct Line {
     pub fold: bool,
 }
 
-impl Line {
+impl ProfileLine {
     /// Place on the profile: index and share.
     pub(crate) fn place(&self) -> f64 {
         self.after as f64 + self.share
@@ -114,7 +114,7 @@ impl<K: Copy> TurnProfile<K> {
     }
 
     /// Length of the profile up to a line.
-    pub fn length_at(&self, line: &Line) -> f64 {
+    pub fn length_at(&self, line: &ProfileLine) -> f64 {
         self.at(&self.length, (line.after, line.share))
     }
 
@@ -124,7 +124,7 @@ impl<K: Copy> TurnProfile<K> {
     }
 
     /// Lines at equal turns within the distances asked for; `size` is the length of the pattern (mm).
-    pub fn lines(&self, spacing: &BendSpacing, size: f64) -> Vec<Line> {
+    pub fn lines(&self, spacing: &BendSpacing, size: f64) -> Vec<ProfileLine> {
         if let Some(facets) = spacing.facets {
             return self.kinks(facets, size);
         }
@@ -140,7 +140,7 @@ impl<K: Copy> TurnProfile<K> {
         if total.is_nan() || total <= 0.0 {
             return Vec::new();
         }
-        let count = (total - HAIR).ceil().clamp(1.0, MOST) as usize;
+        let count = (total - HAIR).ceil().clamp(1.0, MOST_LINES) as usize;
         let places: Vec<(usize, f64)> =
             (0..count).map(|k| self.level(between(&need, total * (k as f64 + 0.5) / count as f64))).collect();
         let edge = |k: usize| match k {
@@ -152,7 +152,7 @@ impl<K: Copy> TurnProfile<K> {
     }
 
     /// Kinks in the middles of stretches of equal need, and in every fold; none where the sheet is flat.
-    fn kinks(&self, facets: Facets, size: f64) -> Vec<Line> {
+    fn kinks(&self, facets: Facets, size: f64) -> Vec<ProfileLine> {
         let count = self.turn.len().saturating_sub(1);
         let step = |i: usize| ((self.turn[i + 1] - self.turn[i]).abs(), self.length[i + 1] - self.length[i]);
         let fold = |i: usize| step(i).1 <= FOLD * size && step(i).0 > NO_BEND;
@@ -175,7 +175,7 @@ impl<K: Copy> TurnProfile<K> {
             }
             let total = need[need.len() - 1];
             if total > 0.0 {
-                let kinks = (total - HAIR).ceil().clamp(1.0, MOST) as usize;
+                let kinks = (total - HAIR).ceil().clamp(1.0, MOST_LINES) as usize;
                 let place = |share: f64| {
                     let (after, share) = between(&need, total * share);
                     self.level((from + after, share))
@@ -183,7 +183,7 @@ impl<K: Copy> TurnProfile<K> {
                 let turned = |k: usize| self.turned(place(k as f64 / kinks as f64));
                 out.extend((0..kinks).map(|k| {
                     let at = place((k as f64 + 0.5) / kinks as f64);
-                    Line { fold: false, ..self.line(at, turned(k + 1) - turned(k), size) }
+                    ProfileLine { fold: false, ..self.line(at, turned(k + 1) - turned(k), size) }
                 }));
             }
             from = to;
@@ -192,7 +192,7 @@ impl<K: Copy> TurnProfile<K> {
     }
 
     /// Lines at given lengths along the profile.
-    pub fn lines_at(&self, lengths: &[f64], size: f64) -> Vec<Line> {
+    pub fn lines_at(&self, lengths: &[f64], size: f64) -> Vec<ProfileLine> {
         let middle = |k: usize| 0.5 * (lengths[k] + lengths[k - 1]);
         let turn = |k: usize| match k {
             0 => self.turn[0],
@@ -219,28 +219,28 @@ impl<K: Copy> TurnProfile<K> {
     }
 
     /// Turn of the sheet between two lines, without their folds.
-    pub(super) fn turn_between(&self, a: &Line, b: &Line) -> f64 {
-        let half = |l: &Line| if l.fold { 0.5 * l.turn } else { 0.0 };
+    pub(super) fn turn_between(&self, a: &ProfileLine, b: &ProfileLine) -> f64 {
+        let half = |l: &ProfileLine| if l.fold { 0.5 * l.turn } else { 0.0 };
         b.turned - a.turned - half(a) - half(b)
     }
 
     /// An end of the profile as if there were a line.
-    pub(super) fn end(&self, last: bool) -> Line {
+    pub(super) fn end(&self, last: bool) -> ProfileLine {
         self.bare(if last { (self.places.len() - 2, 1.0) } else { (0, 0.0) })
     }
 
     /// A line half way between two places; its turn is found by [`TurnProfile::parted`].
-    pub(super) fn halfway(&self, [a, b]: [f64; 2]) -> Line {
+    pub(super) fn halfway(&self, [a, b]: [f64; 2]) -> ProfileLine {
         self.bare(self.split(0.5 * (a + b)))
     }
 
     /// A line within a step, such as one from a piece of the part to the next; its turn is found by [`TurnProfile::parted`].
-    pub(crate) fn within(&self, step: usize) -> Line {
+    pub(crate) fn within(&self, step: usize) -> ProfileLine {
         self.bare((step, 0.5))
     }
 
-    fn bare(&self, (after, share): (usize, f64)) -> Line {
-        Line { after, share, turn: 0.0, turned: self.turned((after, share)), fold: false }
+    fn bare(&self, (after, share): (usize, f64)) -> ProfileLine {
+        ProfileLine { after, share, turn: 0.0, turned: self.turned((after, share)), fold: false }
     }
 
     /// A place as the index before it and a share.
@@ -250,7 +250,7 @@ impl<K: Copy> TurnProfile<K> {
     }
 
     /// Lines in their order that share the turn: each has that from half way after the line before to half way to the next.
-    pub(crate) fn parted(&self, lines: Vec<Line>, size: f64) -> Vec<Line> {
+    pub(crate) fn parted(&self, lines: Vec<ProfileLine>, size: f64) -> Vec<ProfileLine> {
         let lengths: Vec<f64> = lines.iter().map(|l| self.length_at(l)).collect();
         let edge = |k: usize| match k {
             0 => self.turn[0],
@@ -262,14 +262,14 @@ impl<K: Copy> TurnProfile<K> {
         lines.iter().enumerate().map(|(k, l)| self.line((l.after, l.share), edge(k + 1) - edge(k), size)).collect()
     }
 
-    fn line(&self, (after, share): (usize, f64), turn: f64, size: f64) -> Line {
+    fn line(&self, (after, share): (usize, f64), turn: f64, size: f64) -> ProfileLine {
         let own = self.turn[after + 1] - self.turn[after];
         // Most of the turn at once: an edge between facets.
         let at_once = self.length[after + 1] - self.length[after] <= FOLD * size;
         if at_once && own.abs() > 0.5 * turn.abs() {
-            return Line { after, share, turn: own, turned: self.turn[after] + 0.5 * own, fold: true };
+            return ProfileLine { after, share, turn: own, turned: self.turn[after] + 0.5 * own, fold: true };
         }
-        Line { after, share, turn, turned: self.turned((after, share)), fold: false }
+        ProfileLine { after, share, turn, turned: self.turned((after, share)), fold: false }
     }
 
     fn at(&self, values: &[f64], (after, share): (usize, f64)) -> f64 {

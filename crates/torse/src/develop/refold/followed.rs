@@ -61,7 +61,7 @@ struct Follower<'a> {
 }
 
 /// A stretch of a curve on one part.
-struct Run {
+struct CurveStretch {
     part: usize,
     seen: Vec<Seen>,
 }
@@ -77,11 +77,11 @@ impl ArtworkMap {
         let closed = (last.point - first.point).norm() <= CLOSED * size;
         let (mut runs, off) = follower.runs(&seen);
         let torn = |a: &Seen, b: &Seen| follower.is_torn(a, b);
-        let whole = |r: &Run| r.seen.len() == seen.len() && !torn(&r.seen[0], &r.seen[seen.len() - 1]);
+        let whole = |r: &CurveStretch| r.seen.len() == seen.len() && !torn(&r.seen[0], &r.seen[seen.len() - 1]);
         let is_ring = closed && runs.len() == 1 && runs.first().is_some_and(whole);
         // A stretch over the place where a closed curve begins is one.
         if closed && runs.len() > 1 {
-            let goes_on = |a: &Run, b: &Run| {
+            let goes_on = |a: &CurveStretch, b: &CurveStretch| {
                 let (Some(end), Some(begin)) = (a.seen.last(), b.seen.first()) else { return false };
                 a.part == b.part && end.at == last.at && begin.at == first.at && !torn(end, begin)
             };
@@ -108,7 +108,7 @@ impl ArtworkMap {
 }
 
 /// Greatest distance (mm) of places of a stretch from its first one.
-fn extent(run: &Run) -> f64 {
+fn extent(run: &CurveStretch) -> f64 {
     run.seen.iter().map(|s| (s.point - run.seen[0].point).norm()).fold(0.0, f64::max)
 }
 
@@ -175,8 +175,8 @@ impl Follower<'_> {
     }
 
     /// Stretches on parts without what lies beyond edges where they leave these, and what lies on no part.
-    fn runs(&self, seen: &[Seen]) -> (Vec<Run>, Option<Off>) {
-        let mut runs: Vec<Run> = Vec::new();
+    fn runs(&self, seen: &[Seen]) -> (Vec<CurveStretch>, Option<Off>) {
+        let mut runs: Vec<CurveStretch> = Vec::new();
         // Whether a stretch begins and ends where another one goes on.
         let mut meets: Vec<[bool; 2]> = Vec::new();
         let mut off = Off { length: 0.0, farthest: 0.0 };
@@ -196,7 +196,7 @@ impl Follower<'_> {
                         last[1] = true;
                     }
                     meets.push([met, false]);
-                    runs.push(Run { part, seen: vec![*s] });
+                    runs.push(CurveStretch { part, seen: vec![*s] });
                 }
             }
         }

@@ -7,7 +7,7 @@ use crate::torse::ribbon::{Ribbon, Span, Spot};
 /// Steps of Newton's method; they converge quadratically from any place inside a span.
 const STEPS: usize = 12;
 /// Step (share of a span) below which Newton's method has ended.
-const ENOUGH: f64 = 1e-14;
+const LAST_STEP: f64 = 1e-14;
 /// Share of a span by which places may lie beyond its ends: rounding.
 const SLACK: f64 = 1e-9;
 /// How far (in spans) beyond its ends a ribbon may be continued.
@@ -70,7 +70,7 @@ impl Ribbon {
             }
             // A step that stays beyond the limits does not lead to the point.
             left = step.abs();
-            if left < ENOUGH {
+            if left < LAST_STEP {
                 break;
             }
             share = (share + step).clamp(limits[0] - SLACK, limits[1] + SLACK);

@@ -10,7 +10,7 @@ use super::drawn::{FlatPart, SheetRow, ROUNDED};
 use super::lines::whole_lines;
 use super::one_family::rulings;
 use super::skin::on_skin;
-use super::zone::{lines_of, middles, Line, Strip, Zone, ON_ONE_LINE};
+use super::zone::{lines_of, middles, DirectedLine, Strip, Zone, ON_ONE_LINE};
 use super::RefoldError;
 use crate::geom::polygon::{distance, inside, sides};
 use crate::geom::segment::foot;
@@ -75,7 +75,7 @@ pub(super) fn rolled(part: &FlatPart, row: &SheetRow) -> Result<Option<Rolled>, 
     let (Some(from), Some(to)) = (place(first), place(last)) else { return Ok(None) };
     let mut chords = [Vec::new(), Vec::new()];
     let mut reach = [0.0, ribbon.end()];
-    let mut edges: [Option<Line>; 2] = [None; 2];
+    let mut edges: [Option<DirectedLine>; 2] = [None; 2];
     for chord in region.chords.iter().map(|(c, _)| ends[*c]) {
         let Some(t) = place(&middle(&chord)) else { continue };
         let behind = t > 0.5 * (from + to);
@@ -137,7 +137,7 @@ fn on_outline(part: &FlatPart, q: &Vec2, near: f64) -> Vec2 {
 }
 
 /// The strips of a ribbon between two places, each with the place in its middle; the outermost rulings are those of the edges.
-fn strips(ribbon: &Ribbon, [from, to]: [f64; 2], edges: [Option<Line>; 2]) -> Vec<(f64, Strip)> {
+fn strips(ribbon: &Ribbon, [from, to]: [f64; 2], edges: [Option<DirectedLine>; 2]) -> Vec<(f64, Strip)> {
     let mut places = vec![from];
     places.extend((from.floor() as i64 + 1..).map(|k| k as f64).take_while(|t| *t < to - ONE_RULING));
     if places.len() > 1 && places[1] - from <= ONE_RULING {

@@ -13,7 +13,7 @@ pub(super) const ON_ONE_LINE: f64 = 1e-6;
 const BESIDE: f64 = 0.5;
 
 /// A line of the plane: a point and a unit direction.
-pub(super) type Line = (Vec2, Vec2);
+pub(super) type DirectedLine = (Vec2, Vec2);
 
 /// A strip between two rulings of a zone.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ pub(super) struct Strip {
 #[derive(Clone, Debug)]
 pub(super) struct Zone {
     /// Its first and last line.
-    pub edges: [Line; 2],
+    pub edges: [DirectedLine; 2],
     /// Its strips; one without breadth of a fold.
     pub strips: Vec<Strip>,
     /// Places on the centre lines; none of a zone without breadth.
@@ -103,7 +103,7 @@ pub(super) fn round(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<O
         (l[0], if way.dot(&like) < 0.0 { -way } else { way })
     };
     let Some(first) = lines.first().map(|l| l[0][1] - l[0][0]) else { return Ok(None) };
-    let mut all: Vec<Line> = lines.iter().map(|l| directed(&l[0], first)).collect();
+    let mut all: Vec<DirectedLine> = lines.iter().map(|l| directed(&l[0], first)).collect();
     // Neighbours follow each other to the left.
     if n > 1 && all[0].1.perp(&(all[1].0 - all[0].0)) < 0.0 {
         all.iter_mut().for_each(|l| l.1 = -l.1);
@@ -121,10 +121,10 @@ pub(super) fn round(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<O
     } else {
         1.0
     };
-    let beside = |(at, way): Line, by: f64| (at + Vec2::new(-way.y, way.x) * by, way);
+    let beside = |(at, way): DirectedLine, by: f64| (at + Vec2::new(-way.y, way.x) * by, way);
     let half = 0.5 * breadth - hair;
     let inner = (1..n).map(|k| beside(all[k], -0.5 * breadth));
-    let lined: Vec<Line> =
+    let lined: Vec<DirectedLine> =
         std::iter::once(beside(all[0], -half)).chain(inner).chain([beside(all[n - 1], half)]).collect();
     let edges = [lined[0], lined[n]];
     let sharp = (edges[1].0 - edges[0].0).norm() <= ON_ONE_LINE * part.size();
@@ -137,7 +137,7 @@ pub(super) fn round(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<O
 }
 
 /// Strips between lines that each turn alike; skins are `stretch` times as long as what is drawn, across.
-fn equal_strips(lines: &[Line], turn: f64, stretch: f64) -> Vec<Strip> {
+fn equal_strips(lines: &[DirectedLine], turn: f64, stretch: f64) -> Vec<Strip> {
     let mut flat = vec![Pose::flat(lines[0].0, lines[0].1)];
     for (to, way) in &lines[1..] {
         // The point across, so that parallel edges need no way along.

@@ -2,7 +2,7 @@
 
 use super::chart::{FlatRuling, Stretch};
 use super::region::{Region, POINT};
-use super::tree::{Piece, Placed};
+use super::tree::{Placed, UnfoldedPiece};
 use crate::brep::body::Body;
 use crate::brep::recognised_surface::RecognisedSurface;
 use crate::develop::bends::{dense_cells, kept_low, BendSpacing, Cell, Facets, Lines};
@@ -69,7 +69,7 @@ pub struct SheetBend {
     /// Of a rolled face its number within the part.
     pub face: Option<usize>,
     /// Steps of the outer face from the root.
-    level: usize,
+    steps: usize,
 }
 
 /// Bends turn back onto the sheet from here on, rad.
@@ -93,7 +93,13 @@ const ONE_LENGTH: f64 = 1e-4;
 ///
 /// Rolled faces are kinked as `spacing` says, or have a line at every step of turn, and more where the part could not be bent back
 /// from these. Folds along curves are drawn as chords within a share of the `tolerance` (mm).
-pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, tolerance: f64) -> Vec<SheetBend> {
+pub fn bends(
+    body: &Body,
+    piece: &UnfoldedPiece,
+    thickness: f64,
+    spacing: &BendSpacing,
+    tolerance: f64,
+) -> Vec<SheetBend> {
     let mut out: Vec<SheetBend> = Vec::new();
     let spacing = shared(piece, spacing);
     let near = (CHORD * tolerance).max(CURVED * ONE_LINE * body.size);
@@ -107,7 +113,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, 
                     b.lines.extend(bend.lines);
                     b.bends.extend(bend.bends);
                     between_others(&mut b.extents, bend.extents, ONE_LINE * body.size);
-                    b.level = b.level.min(bend.level);
+                    b.steps = b.steps.min(bend.steps);
                 }
                 None => out.push(bend),
             }
@@ -116,7 +122,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, 
     for fold in &piece.folds {
         let (h, twin) = (fold.half, body.halves[fold.half].twin.unwrap_or(fold.half));
         let lines = chords(&|s| (piece.place(body, h, s) + piece.place(body, twin, 1.0 - s)) * 0.5, near);
-        let level = [h, twin].iter().filter_map(|h| piece.placed(body.halves[*h].face)).map(|p| p.level).max();
+        let steps = [h, twin].iter().filter_map(|h| piece.placed(body.halves[*h].face)).map(|p| p.steps).max();
         let sense = if fold.meeting.convex { BendSense::Down } else { BendSense::Up };
         let bend = SheetBend {
             kind: BendKind::Fold,
@@ -134,7 +140,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, 
             order: 0,
             edges: vec![body.halves[h].stretch.entity].into_iter().filter(|e| *e > 0).collect(),
             face: None,
-            level: level.unwrap_or(0),
+            steps: steps.unwrap_or(0),
         };
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
             Some(b) => {
@@ -149,7 +155,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, 
         b.length = reach(&b.lines);
     }
     let mut sequence: Vec<usize> = (0..out.len()).collect();
-    sequence.sort_by(|a, b| (out[*b].level.cmp(&out[*a].level)).then(out[*a].length.total_cmp(&out[*b].length)));
+    sequence.sort_by(|a, b| (out[*b].steps.cmp(&out[*a].steps)).then(out[*a].length.total_cmp(&out[*b].length)));
     for (k, b) in sequence.into_iter().enumerate() {
         out[b].order = k + 1;
     }
@@ -157,7 +163,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, spacing: &BendSpacing, 
 }
 
 /// The spacing for each of the faces that are bent without closed form, which share what the part may be off.
-fn shared(piece: &Piece, spacing: &BendSpacing) -> BendSpacing {
+fn shared(piece: &UnfoldedPiece, spacing: &BendSpacing) -> BendSpacing {
     let count = piece.faces.iter().filter(|p| p.chart.closed().is_none()).count();
     BendSpacing { within: spacing.within / count.max(1) as f64, ..*spacing }
 }
@@ -224,7 +230,7 @@ fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
 /// The bends that a face is: one, or one for every stretch that is bent one way; `near` as of [`chords`].
 fn of_face(
     body: &Body,
-    piece: &Piece,
+    piece: &UnfoldedPiece,
     placed: &Placed,
     (thickness, spacing): (f64, &BendSpacing),
     near: f64,
@@ -282,7 +288,7 @@ fn of_face(
             order: 0,
             edges: Vec::new(),
             face: number.filter(|_| kind == BendKind::Rolled),
-            level: placed.level,
+            steps: placed.steps,
         }
     };
     stretches.into_iter().map(one).collect()
@@ -291,7 +297,7 @@ fn of_face(
 /// What the lines of a rolled face stand for, stretch by stretch: equal parts of its turn, halved where the part could not be bent
 /// back from them; none where it is kinked.
 fn cells(
-    piece: &Piece,
+    piece: &UnfoldedPiece,
     placed: &Placed,
     region: &Region,
     (stretches, spacing): (&[Stretch], &BendSpacing),
@@ -458,7 +464,7 @@ mod tests {
             order: 0,
             edges: Vec::new(),
             face: None,
-            level: 1,
+            steps: 1,
         };
         let first = bend(0.0, 1.5, 2.0);
         assert!(one_line(&first, &bend(60.0, 1.5, 2.0), 1e-3));

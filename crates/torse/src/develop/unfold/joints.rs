@@ -1,7 +1,7 @@
 //! Edges between parts of one body: where marks stand on both sides of them, how long both are in the plane, and at what angle the
 //! faces meet (docs/algorithms/unroll.md, "Marks and bevels").
 
-use super::tree::Piece;
+use super::tree::UnfoldedPiece;
 use crate::brep::body::Body;
 use crate::develop::joints::mark_count;
 use crate::develop::shop::bevel::{BevelStation, PARTS};
@@ -55,7 +55,7 @@ const BESIDE: f64 = 1e-4;
 const LAST: f64 = 1.0 - 1e-3;
 
 /// The edges between pieces of a body, or within one that is cut open; `pieces` are numbered as they come. Measured, not proven.
-pub(super) fn shared_edges(body: &Body, pieces: &[&Piece], tolerance: f64) -> Vec<SharedEdge> {
+pub(super) fn shared_edges(body: &Body, pieces: &[&UnfoldedPiece], tolerance: f64) -> Vec<SharedEdge> {
     let of_face: HashMap<usize, usize> =
         pieces.iter().enumerate().flat_map(|(k, p)| p.faces.iter().map(move |f| (f.face, k))).collect();
     let diagonal = of_face.keys().map(|f| body.faces[*f].surface.bbox().diagonal()).fold(0.0, f64::max);
@@ -70,7 +70,12 @@ pub(super) fn shared_edges(body: &Body, pieces: &[&Piece], tolerance: f64) -> Ve
 }
 
 /// An edge by its two runs and their pieces.
-fn of_edge(body: &Body, pieces: &[&Piece], (halves, parts): ([usize; 2], [usize; 2]), diagonal: f64) -> SharedEdge {
+fn of_edge(
+    body: &Body,
+    pieces: &[&UnfoldedPiece],
+    (halves, parts): ([usize; 2], [usize; 2]),
+    diagonal: f64,
+) -> SharedEdge {
     let [h, twin] = halves;
     let (near, far) = (&body.halves[h], &body.halves[twin]);
     let at = |s: f64| near.stretch.at(body.faces[near.face], s).0;

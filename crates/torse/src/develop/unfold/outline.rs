@@ -1,7 +1,7 @@
 //! Contours of a piece: the runs that are not inside it, chained, as lines and true arcs.
 
 use super::region::POINT;
-use super::tree::{Piece, Placed};
+use super::tree::{Placed, UnfoldedPiece};
 use crate::brep::body::Body;
 use crate::develop::arcs::{arcs, circle, PlaneCurve};
 use crate::geom::Vec2;
@@ -70,7 +70,7 @@ impl PlaneCurve for FlatStretch<'_> {
 const GAP: f64 = 1e-6;
 
 /// The contours of a piece, outer ones first.
-pub fn outlines(body: &Body, piece: &Piece, tolerance: f64) -> Vec<Outline> {
+pub fn outlines(body: &Body, piece: &UnfoldedPiece, tolerance: f64) -> Vec<Outline> {
     let mut open: Vec<usize> = piece.faces.iter().flat_map(|p| body.of_face(p.face)).collect();
     open.retain(|h| !piece.inner.contains(h) && body.halves[*h].length > POINT * body.size);
     open.sort_unstable();
@@ -93,7 +93,7 @@ pub fn outlines(body: &Body, piece: &Piece, tolerance: f64) -> Vec<Outline> {
 }
 
 /// The run after a run on the boundary of the piece: at inner edges the way goes on along the neighbour.
-fn following(body: &Body, piece: &Piece, half: usize) -> usize {
+fn following(body: &Body, piece: &UnfoldedPiece, half: usize) -> usize {
     let mut h = body.halves[half].next;
     for _ in 0..body.halves.len() {
         let point = body.halves[h].length <= POINT * body.size;
@@ -110,7 +110,7 @@ fn following(body: &Body, piece: &Piece, half: usize) -> usize {
 const PROVEN: f64 = 0.9;
 
 /// The contour along runs.
-fn outline(body: &Body, piece: &Piece, halves: Vec<usize>, tolerance: f64) -> Outline {
+fn outline(body: &Body, piece: &UnfoldedPiece, halves: Vec<usize>, tolerance: f64) -> Outline {
     let mut stations: Vec<Station> = Vec::new();
     let mut error = 0.0_f64;
     let mut end: Option<Vec2> = None;
@@ -163,7 +163,7 @@ fn join(stations: &mut Vec<Station>, error: &mut f64, way: (Option<Vec2>, Vec2),
 
 /// Outside a sharp bend both faces reach to its edge, beyond what the bend is made of, and the way from one to the other goes back:
 /// straight runs then end at the line about which the sheet is bent, half way between both images of the edge.
-fn to_bend_lines(body: &Body, piece: &Piece, halves: &[usize], stations: &mut [Station]) {
+fn to_bend_lines(body: &Body, piece: &UnfoldedPiece, halves: &[usize], stations: &mut [Station]) {
     let n = stations.len();
     let run = |number: usize| {
         let half = halves[number % halves.len()];
@@ -247,7 +247,7 @@ fn nearest(run: &FlatStretch, x: &Vec2, from: f64) -> f64 {
 }
 
 /// What the lines and arcs between stations are drawn for.
-fn strokes(body: &Body, piece: &Piece, halves: &[usize], stations: &[Station]) -> Vec<Stroke> {
+fn strokes(body: &Body, piece: &UnfoldedPiece, halves: &[usize], stations: &[Station]) -> Vec<Stroke> {
     let n = stations.len();
     let stroke = |k: usize| {
         let (a, b) = (&stations[k], &stations[(k + 1) % n]);
@@ -273,7 +273,7 @@ fn at_share([from, to]: [f64; 2], (first, last): (f64, f64), share: f64) -> f64 
 }
 
 /// A part of a run for the judge: one image, or one for each strip of its face; `None` where its map has no closed form.
-fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec<EdgeImage>> {
+fn images(body: &Body, piece: &UnfoldedPiece, half: usize, ends: [f64; 2]) -> Option<Vec<EdgeImage>> {
     let h = &body.halves[half];
     let face = piece.faces.iter().position(|p| p.face == h.face)?;
     let placed = &piece.faces[face];
@@ -368,7 +368,7 @@ fn changes(strip: &dyn Fn(f64) -> usize, [a, b]: [f64; 2], [i, j]: [usize; 2], o
 }
 
 /// Both images of the rulings between the strips of a face.
-pub(super) fn strip_joints(piece: &Piece, face: usize) -> Vec<JointImage> {
+pub(super) fn strip_joints(piece: &UnfoldedPiece, face: usize) -> Vec<JointImage> {
     let placed = &piece.faces[face];
     let strips = placed_strips(placed);
     let joint = |w: &[MapStrip]| -> Option<JointImage> {
@@ -396,7 +396,12 @@ pub(super) fn strip_joints(piece: &Piece, face: usize) -> Vec<JointImage> {
 const INSIDE: f64 = 0.1;
 
 /// Both images of an inner edge: lines and arcs for one, and the same, after the move `gap` of a sharp bend, for the other.
-pub(super) fn joint(body: &Body, piece: &Piece, [half, twin]: [usize; 2], tolerance: f64) -> Option<JointImage> {
+pub(super) fn joint(
+    body: &Body,
+    piece: &UnfoldedPiece,
+    [half, twin]: [usize; 2],
+    tolerance: f64,
+) -> Option<JointImage> {
     let run = |half: usize| Some(FlatStretch { body, placed: piece.placed(body.halves[half].face)?, half });
     let (near, far) = (run(half)?, run(twin)?);
     let vertices = |run: &FlatStretch| whole_arc(run, tolerance).map(|v| v.0);

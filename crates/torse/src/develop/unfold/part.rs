@@ -5,8 +5,8 @@ use super::joints::{shared_edges, SharedEdge};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline};
 use super::placed_face::{region, FaceRegion, PlacedChart, PlacedFace};
 use super::region::POINT;
-use super::sheet::{open, sheet, Sheet, SheetError, ALIKE};
-use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
+use super::sheet::{open, sheet, BodySheet, SheetError, ALIKE};
+use super::tree::{unfold, Cut, CutReason, Joins, UnfoldOptions, UnfoldedPiece};
 use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
 use crate::brep::face::Face;
@@ -209,7 +209,7 @@ fn turned_over(face: &Face) -> Face {
 
 /// One skin of a sheet, unfolded.
 struct Side {
-    pieces: Vec<Piece>,
+    pieces: Vec<UnfoldedPiece>,
     outlines: Vec<Vec<Outline>>,
     left: Vec<usize>,
 }
@@ -260,7 +260,7 @@ fn groups(body: &Body, faces: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// Why a face is not part of a flat pattern.
-fn why(body: &Body, face: usize, found: &Sheet) -> Unlaid {
+fn why(body: &Body, face: usize, found: &BodySheet) -> Unlaid {
     match &body.recognised[face] {
         RecognisedSurface::Curved(d) => Unlaid::Curved {
             twist_estimate: d.twist_estimate,
@@ -275,9 +275,9 @@ fn why(body: &Body, face: usize, found: &Sheet) -> Unlaid {
 /// The drawing of a piece.
 fn part(
     body: &Body,
-    piece: &Piece,
+    piece: &UnfoldedPiece,
     outlines: Vec<Outline>,
-    (found, name): (&Sheet, &str),
+    (found, name): (&BodySheet, &str),
     options: &PartOptions,
 ) -> FlatPart {
     let tolerance = options.tolerance;

@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use super::region::Motion;
-use super::tree::{Piece, Placed};
+use super::tree::{Placed, UnfoldedPiece};
 use crate::brep::body::Body;
 use crate::geom::{Vec2, Vec3};
 
@@ -46,7 +46,7 @@ const DEEPEST: usize = 12;
 const LOOKS: [f64; 3] = [0.3, 0.5, 0.7];
 
 /// The region of a face of a piece; `thickness` as of [`FaceRegion`].
-pub(super) fn region(body: &Body, piece: &Piece, placed: &Placed, thickness: f64, tolerance: f64) -> FaceRegion {
+pub(super) fn region(body: &Body, piece: &UnfoldedPiece, placed: &Placed, thickness: f64, tolerance: f64) -> FaceRegion {
     let mut loops: Vec<Vec<Vec2>> = Vec::new();
     let mut border: Vec<Vec3> = Vec::new();
     for h in body.of_face(placed.face) {

@@ -16,7 +16,7 @@ use std::collections::HashSet;
 
 /// A sheet found in a body.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
+pub struct BodySheet {
     /// Thickness, mm; 0 for open surfaces.
     pub thickness: f64,
     /// Thickness at every face of the body, mm: another one where faces that go on smoothly are thinned.
@@ -92,7 +92,7 @@ struct Opposite {
 ///
 /// # Errors
 /// A body without constant thickness, with the two most frequent distances.
-pub fn sheet(body: &Body) -> Result<Sheet, SheetError> {
+pub fn sheet(body: &Body) -> Result<BodySheet, SheetError> {
     if body.faces.is_empty() {
         return Err(SheetError::Empty);
     }
@@ -133,7 +133,7 @@ pub fn sheet(body: &Body) -> Result<Sheet, SheetError> {
     let is_broad = |k: usize| 2.0 * areas[k] > thickness * body.of_face(k).map(|h| body.halves[h].length).sum::<f64>();
     let broad = (0..count).filter(|k| near(partners[*k].distance) && is_broad(*k) && !others.contains(k));
     let broad = broad.map(|k| (k, partners[k].faces.iter().copied().collect())).collect();
-    Ok(Sheet { thickness, local, spread, skins: [first, second], others, broad })
+    Ok(BodySheet { thickness, local, spread, skins: [first, second], others, broad })
 }
 
 /// Sides that differ from a right angle by less (rad) are square: a degree.
@@ -141,7 +141,7 @@ const SQUARE: f64 = std::f64::consts::PI / 180.0;
 /// Places along an edge, as shares of it, where sides are looked at.
 const LOOKS: [f64; 4] = [0.13, 0.38, 0.63, 0.88];
 
-impl Sheet {
+impl BodySheet {
     /// Faces of the sheet that one skin, of these faces, has on neither side.
     pub fn unreached(&self, skin: &HashSet<usize>) -> Vec<usize> {
         let mut out: Vec<usize> = Vec::new();
@@ -204,10 +204,10 @@ pub fn is_open(body: &Body) -> bool {
 }
 
 /// All faces of an open body, as a sheet without thickness.
-pub fn open(body: &Body) -> Sheet {
+pub fn open(body: &Body) -> BodySheet {
     let developable = |k: &usize| body.recognised[*k].is_developable();
     let (skin, others) = (0..body.faces.len()).partition(developable);
-    Sheet {
+    BodySheet {
         thickness: 0.0,
         local: vec![0.0; body.faces.len()],
         spread: 0.0,

@@ -68,7 +68,7 @@ pub struct Placed {
     /// The image, sampled.
     pub region: Region,
     /// Steps from the root of the tree.
-    pub level: usize,
+    pub steps: usize,
     /// The run of the face before by which it is joined.
     pub by: Option<usize>,
     /// K used for it (share of the thickness) if it is bent about one axis.
@@ -122,7 +122,7 @@ pub struct Cut {
 
 /// One piece of the plane.
 #[derive(Clone, Debug, Default)]
-pub struct Piece {
+pub struct UnfoldedPiece {
     /// Its faces; the first is the root.
     pub faces: Vec<Placed>,
     /// Runs (both sides) that lie inside the piece and are not drawn.
@@ -133,7 +133,7 @@ pub struct Piece {
     pub cuts: Vec<Cut>,
 }
 
-impl Piece {
+impl UnfoldedPiece {
     /// The placed face of a body's face.
     pub fn placed(&self, face: usize) -> Option<&Placed> {
         self.faces.iter().find(|p| p.face == face)
@@ -176,7 +176,7 @@ struct Ready {
 /// Unfolds the skin faces of a body into as few pieces as their joints allow. Faces without a map (thicker than their
 /// radius, not developable) are answered in the second list. Surfaces into which the sheet given does not fit everywhere are
 /// unfolded as they are, all of them.
-pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piece>, Vec<usize>) {
+pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<UnfoldedPiece>, Vec<usize>) {
     if !have_room(body, skin, options) {
         let thickness = vec![0.0; options.thickness.len()];
         return unfold(body, skin, &UnfoldOptions { thickness, side: None, ..options.clone() });
@@ -196,7 +196,7 @@ pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (V
         foremost(each, None, (body.size * body.size, body.size))
     };
     while let Some(root) = areas(&ready) {
-        let mut piece = Piece::default();
+        let mut piece = UnfoldedPiece::default();
         if let Some(r) = ready.remove(&root) {
             piece.faces.push(r.placed(root, Motion::identity(), 0, None));
         }
@@ -257,10 +257,10 @@ fn middle(body: &Body, face: usize) -> Vec3 {
 }
 
 impl Ready {
-    fn placed(self, face: usize, motion: Motion, level: usize, by: Option<usize>) -> Placed {
+    fn placed(self, face: usize, motion: Motion, steps: usize, by: Option<usize>) -> Placed {
         let region = self.region.moved(&motion);
         let Self { chart, k, radius, inside_radius, thickness, fibre, is_given, .. } = self;
-        Placed { face, chart, motion, region, level, by, k, radius, inside_radius, thickness, fibre, is_given }
+        Placed { face, chart, motion, region, steps, by, k, radius, inside_radius, thickness, fibre, is_given }
     }
 }
 
@@ -328,7 +328,7 @@ fn hollow(body: &Body, face: usize, chart: &Chart) -> bool {
 /// Adds faces over the longest joint at hand, as long as one fits.
 fn grow(
     body: &Body,
-    piece: &mut Piece,
+    piece: &mut UnfoldedPiece,
     ready: &mut BTreeMap<usize, Ready>,
     cuts: &mut Vec<Cut>,
     options: &UnfoldOptions,
@@ -360,13 +360,13 @@ fn grow(
             cuts.push(Cut { half: h, reason: CutReason::Overlap });
             continue;
         }
-        let level = piece.placed(body.halves[h].face).map_or(0, |p| p.level) + 1;
+        let steps = piece.placed(body.halves[h].face).map_or(0, |p| p.steps) + 1;
         piece.inner.extend([h, twin]);
         if let Some(meeting) = body.meeting(h).filter(|m| m.angle >= SMOOTH) {
             piece.folds.push(Fold { half: h, meeting, allowance, k });
         }
         if let Some(r) = ready.remove(&g) {
-            piece.faces.push(r.placed(g, motion, level, Some(h)));
+            piece.faces.push(r.placed(g, motion, steps, Some(h)));
         }
     }
 }
@@ -387,7 +387,7 @@ fn fold_allowance(body: &Body, half: usize, options: &UnfoldOptions) -> (f64, f6
 }
 
 /// Where the face beyond a run comes to lie; `None` if the edge has two different images.
-fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&Chart, f64)) -> Option<Motion> {
+fn joined(body: &Body, piece: &UnfoldedPiece, h: usize, twin: usize, (chart, apart): (&Chart, f64)) -> Option<Motion> {
     let (near, far) = (&body.halves[h], &body.halves[twin]);
     let here = |s: f64| piece.place(body, h, s);
     let nearest = |x: &crate::geom::Vec3| {
@@ -428,7 +428,7 @@ fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&C
 }
 
 /// Finds the other edges that lie inside the piece, because both images fall together, and cuts the rest.
-fn close(body: &Body, piece: &mut Piece, cuts: &mut Vec<Cut>, options: &UnfoldOptions) {
+fn close(body: &Body, piece: &mut UnfoldedPiece, cuts: &mut Vec<Cut>, options: &UnfoldOptions) {
     let halves: Vec<usize> = piece.faces.iter().flat_map(|p| body.of_face(p.face)).collect();
     for h in halves {
         let Some((g, twin)) = body.beyond(h).zip(body.halves[h].twin) else { continue };

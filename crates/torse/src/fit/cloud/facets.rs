@@ -26,7 +26,7 @@ pub(crate) struct FacetPoint {
 /// Weight of the projections that lifts chords of a circle onto it.
 const LIFT: f64 = 0.5;
 /// Corners up to which a mesh is coarse as a whole: fewer say too little about the surface between them.
-const FEW: usize = 1000;
+const COARSE: usize = 1000;
 /// Facets are long if their longest edge exceeds the mean distance of corners this many times.
 const LONG: f64 = 4.0;
 /// Share of the points that must be corners of facets: else a cloud has some facets, but is no mesh.
@@ -48,7 +48,7 @@ pub(crate) fn facet_points(cloud: &Cloud, count: usize) -> Vec<FacetPoint> {
         0.5 * (b - a).cross(&(c - a)).norm()
     };
     let total: f64 = cloud.triangles.iter().map(area).sum();
-    let long = if corners < FEW { 0.0 } else { LONG * (total / corners as f64).sqrt() };
+    let long = if corners < COARSE { 0.0 } else { LONG * (total / corners as f64).sqrt() };
     let step = (total / count.max(1) as f64).sqrt();
     let normals = normals(cloud);
     let mut out = Vec::new();
@@ -65,18 +65,18 @@ pub(crate) fn facet_points(cloud: &Cloud, count: usize) -> Vec<FacetPoint> {
 /// Points of one facet at distances of about `step`.
 fn spread((facet, corners): (u32, &[Vec3; 3]), normals: &[Vec3; 3], step: f64, out: &mut Vec<FacetPoint>) {
     // Rows of one facet at most.
-    const MOST: f64 = 400.0;
+    const MOST_ROWS: f64 = 400.0;
     // Rows run along the edge that leaves the fewest of them: the facet is long and thin as a rule.
     let edge = |k: usize| corners[(k + 1) % 3] - corners[k];
     let base = (0..3).max_by(|&i, &j| edge(i).norm().total_cmp(&edge(j).norm())).unwrap_or(0);
     let [p, q, r] = [base, (base + 1) % 3, (base + 2) % 3];
     let length = edge(base).norm();
     let height = edge(base).cross(&(corners[r] - corners[p])).norm() / length;
-    let rows = (height / step).clamp(1.0, MOST).ceil() as usize;
+    let rows = (height / step).clamp(1.0, MOST_ROWS).ceil() as usize;
     for i in 0..rows {
         // Middles of rows, so that facets that share an edge do not share points.
         let up = (i as f64 + 0.5) / rows as f64;
-        let columns = ((1.0 - up) * length / step).clamp(1.0, MOST).ceil() as usize;
+        let columns = ((1.0 - up) * length / step).clamp(1.0, MOST_ROWS).ceil() as usize;
         for j in 0..columns {
             let along = (1.0 - up) * (j as f64 + 0.5) / columns as f64;
             let mut w = [0.0; 3];

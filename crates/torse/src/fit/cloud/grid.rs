@@ -5,7 +5,7 @@ use crate::geom::{BBox, Vec3};
 use std::collections::HashMap;
 
 /// Points that take part in finding sizes: enough for shares of a hundredth, in clouds of any size.
-const SOME: usize = 60_000;
+const SIZED_BY: usize = 60_000;
 
 /// Cells with the indices of their points.
 pub(super) struct Grid {
@@ -39,7 +39,7 @@ impl Grid {
         // Steps towards the size.
         const STEPS: usize = 7;
         let diagonal = core(points).diagonal();
-        let some: Vec<Vec3> = points.iter().step_by(points.len().div_ceil(SOME).max(1)).copied().collect();
+        let some: Vec<Vec3> = points.iter().step_by(points.len().div_ceil(SIZED_BY).max(1)).copied().collect();
         let mut size = diagonal / (count as f64).sqrt();
         for _ in 0..STEPS {
             let found = Self::new(&some, size).cells.len() as f64;
@@ -72,7 +72,7 @@ pub(crate) fn core(points: &[Vec3]) -> BBox {
     const SHARE: f64 = 0.01;
     // The box of the rest is wider by as much of its diagonal, so that it holds the borders.
     const WIDER: f64 = 0.5;
-    let some: Vec<&Vec3> = points.iter().step_by(points.len().div_ceil(SOME).max(1)).collect();
+    let some: Vec<&Vec3> = points.iter().step_by(points.len().div_ceil(SIZED_BY).max(1)).collect();
     let whole = BBox::of(points);
     if some.is_empty() {
         return whole;

@@ -21,7 +21,7 @@ const UNEVEN: f64 = 4.0;
 /// Share of the distances found that are no greater than the one that is told: cells should span all.
 const NEARLY_ALL: f64 = 0.9;
 /// Share of the looks that must find a line.
-const MOST: f64 = 0.7;
+const FINDING: f64 = 0.7;
 
 /// Distance (mm) of neighbouring lines in which points lie, where it is large; `None` where they do not lie in lines.
 ///
@@ -31,7 +31,7 @@ pub(super) fn distance_of_lines(points: &[Vec3]) -> Option<f64> {
     let stride = points.len().div_ceil(count).max(1);
     let looks: Vec<&Vec3> = points.iter().step_by(stride).collect();
     let found: Vec<f64> = parallel::map(looks.iter(), |p| beside(points, p)).into_iter().flatten().collect();
-    if (found.len() as f64) < MOST * looks.len() as f64 {
+    if (found.len() as f64) < FINDING * looks.len() as f64 {
         return None;
     }
     let mut found = found;

@@ -42,7 +42,7 @@ impl PieceOptions {
 
 /// Part of a region with its torse.
 #[derive(Clone, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct CloudPiece {
     /// Estimates that belong to it.
     pub members: Vec<u32>,
     /// Torses that follow it, the nearest to its estimates first; empty where nothing fits.
@@ -60,7 +60,7 @@ struct Found {
 }
 
 /// Splits a region into pieces. Every estimate belongs to exactly one piece.
-pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, control: &Control) -> Vec<Piece> {
+pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, control: &Control) -> Vec<CloudPiece> {
     // Share of a row by which bisection stops.
     const STEPS: usize = 5;
     let samples: Vec<(u32, Sample)> = region
@@ -72,12 +72,12 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
             (i, Sample { x: e.x, n: *n, weight: e.weight })
         })
         .collect();
-    let mut out: Vec<Piece> = Vec::new();
+    let mut out: Vec<CloudPiece> = Vec::new();
     let mut waiting = if options.narrow { sectors(samples) } else { vec![Part { own: samples, beside: Vec::new() }] };
     while let Some(Part { own: mut rest, beside }) = waiting.pop() {
         let name = |s: &[(u32, Sample)]| s.iter().map(|p| p.0).collect::<Vec<u32>>();
         if rest.len() < options.fewest || out.len() >= options.max_pieces || control.stopped() {
-            out.push(Piece { members: name(&rest), fits: Vec::new(), kept_off: None });
+            out.push(CloudPiece { members: name(&rest), fits: Vec::new(), kept_off: None });
             continue;
         }
         // With its neighbours first, so that it goes on beyond its own.
@@ -86,13 +86,13 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
             found = attempt(&rest, estimates.cell, options);
         }
         if !found.fits.is_empty() {
-            out.push(Piece { members: name(&rest), fits: found.fits, kept_off: None });
+            out.push(CloudPiece { members: name(&rest), fits: found.fits, kept_off: None });
             continue;
         }
         let axis = across(&rest);
         rest.sort_by(|a, b| axis.dot(&a.1.x).total_cmp(&axis.dot(&b.1.x)));
         if found.kept_off.is_some() && hopeless(&rest, estimates.cell, options) {
-            out.push(Piece { members: name(&rest), fits: Vec::new(), kept_off: found.kept_off });
+            out.push(CloudPiece { members: name(&rest), fits: Vec::new(), kept_off: found.kept_off });
             continue;
         }
         let (mut good, mut bad) = (0, rest.len());
@@ -115,7 +115,7 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
             best = attempt(&rest[..good], estimates.cell, options);
         }
         let tail = rest.split_off(good);
-        out.push(Piece { members: name(&rest), fits: best.fits, kept_off: best.kept_off });
+        out.push(CloudPiece { members: name(&rest), fits: best.fits, kept_off: best.kept_off });
         if !tail.is_empty() {
             waiting.push(Part { own: tail, beside: Vec::new() });
         }

@@ -1,7 +1,7 @@
 //! Rulings and planes as they are given: in order, with tangent planes \[PW99, 4.3\], without those that the others do not
 //! agree with.
 
-use super::outliers::{outliers, MOST};
+use super::outliers::{outliers, MOST_OUTLIERS};
 use super::ruling_order::ordered;
 pub(crate) use super::sequence::FEWEST;
 use crate::fit::planes::estimates::{
@@ -105,7 +105,7 @@ pub(crate) fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, Con
         left.retain(|k| out.iter().all(|o| o.0 != *k));
     }
     // So many do not agree that it is not for the fit to choose.
-    if out.len() as f64 > MOST * given.len() as f64 {
+    if out.len() as f64 > MOST_OUTLIERS * given.len() as f64 {
         return (given.clone(), Vec::new());
     }
     out.sort_by_key(|o| o.0);

@@ -27,20 +27,20 @@ const REACH: usize = 2;
 /// Share of the largest distance up to which others may come from the same outlier.
 const RINGING: f64 = 0.6;
 /// Share of a sequence that can be outliers; beyond, there is nothing to agree on.
-pub(crate) const MOST: f64 = 0.25;
+pub(crate) const MOST_OUTLIERS: f64 = 0.25;
 /// Neighbours that a suspect is compared with, fewer where so many do not follow one cubic.
 const NEIGHBOURS: [usize; 3] = [12, 9, 6];
 /// Share of its domain by which a fit of neighbours is continued: a suspect at the end of a sequence is one or two of them away.
 const BEYOND: f64 = 0.5;
 
 /// Indices of the outliers of a sequence that show at once, in order; look again without them. Empty where they are more than
-/// [`MOST`] of the sequence.
+/// [`MOST_OUTLIERS`] of the sequence.
 ///
 /// *Input*: usable elements, neighbours oriented alike; `tolerance` in mm.
 pub fn outliers(elements: &[ContactElement], tolerance: f64) -> Vec<usize> {
     let mut out = Vec::new();
     search(elements, 0, tolerance, &mut out);
-    if out.len() as f64 > MOST * elements.len() as f64 {
+    if out.len() as f64 > MOST_OUTLIERS * elements.len() as f64 {
         out.clear();
     }
     out

@@ -122,10 +122,10 @@ pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64, most
 /// Whether the normal curvature of a centre line changes its sign, its points being about equally spaced; curvatures below
 /// a tenth of the largest do not count.
 pub(crate) fn has_inflection(line: &[CentrePoint]) -> bool {
-    const LEAST: f64 = 0.1;
+    const LEAST_BEND: f64 = 0.1;
     let bend = |w: &[CentrePoint]| w[1].n.dot(&(w[0].x - w[1].x * 2.0 + w[2].x));
     let (lo, hi) = line.windows(3).map(bend).fold((0.0_f64, 0.0_f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
-    (-lo).min(hi) > LEAST * (-lo).max(hi)
+    (-lo).min(hi) > LEAST_BEND * (-lo).max(hi)
 }
 
 #[cfg(test)]

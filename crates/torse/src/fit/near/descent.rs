@@ -10,7 +10,7 @@ use crate::num::least_squares::{BandMatrix, Rows};
 use crate::num::minimax;
 
 /// Share of the tolerance at which a fit is good enough to stop.
-pub(crate) const ENOUGH: f64 = 0.9;
+pub(crate) const GOAL: f64 = 0.9;
 
 /// Options of [`refit`](super::refit::refit).
 #[derive(Clone, Debug)]

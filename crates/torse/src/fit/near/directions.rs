@@ -32,7 +32,7 @@ pub(crate) struct Candidate {
 pub(crate) fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
     // Least cosine with a normal, and steps towards the farthest normals, each shorter than the last: where there is no such
     // direction they would go on.
-    const LEAST: f64 = 0.3;
+    const LEAST_COSINE: f64 = 0.3;
     const STEPS: usize = 20;
     let normals: Vec<(Vec3, f64)> =
         samples.iter().filter(|s| s.n.norm_squared() > 0.25).map(|s| (s.n, s.weight)).collect();
@@ -42,7 +42,7 @@ pub(crate) fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
     let mut up = normals.iter().map(|(n, w)| n * *w).sum::<Vec3>().try_normalize(0.0)?;
     for k in 0..=STEPS {
         let far = normals.iter().map(|(n, _)| n).min_by(|a, b| a.dot(&up).total_cmp(&b.dot(&up)))?;
-        if far.dot(&up) >= LEAST {
+        if far.dot(&up) >= LEAST_COSINE {
             return Some(up);
         }
         up = (up + far * (1.0 / (2.0 + k as f64))).try_normalize(0.0)?;

@@ -4,7 +4,7 @@
 //! gauges), finished by linearised minimax steps with exchange of the worst samples.
 
 use super::descent::RefitOptions;
-use super::descent::ENOUGH;
+use super::descent::GOAL;
 use super::descent::{descended, polished, repaired, Family};
 use super::envelope::EnvelopeFamily;
 use super::power_form::{PowerForm, RegularityMargin};
@@ -210,7 +210,7 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
     let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
     let mut few = thin(samples, options.max_samples.max(12));
     let all: Vec<usize> = (0..samples.len()).collect();
-    let goal = ENOUGH * options.tolerance / scale.unit;
+    let goal = GOAL * options.tolerance / scale.unit;
     let (mut family, start) = EnvelopeFamily::new(points, None, start)?;
     family.control = options.control.clone();
     let mut residual = Vec::new();
@@ -293,6 +293,6 @@ pub(crate) fn refit(torse: &DualTorse, samples: &[Sample], options: &RefitOption
         RegularityMargin { clearance: REFIT_CLEARANCE, bend_radius: options.bend_radius / scale.unit },
     );
     let few = thin(samples, options.max_samples.max(12));
-    polished(&mut family, &mut x, &few, &all, ENOUGH * options.tolerance / scale.unit)?;
+    polished(&mut family, &mut x, &few, &all, GOAL * options.tolerance / scale.unit)?;
     finished(samples, &scale, &family, &x)
 }

@@ -4,7 +4,7 @@
 //! and cones, Gauss–Newton), finished by linearised minimax steps with exchange of the worst samples.
 
 use super::descent::RefitOptions;
-use super::descent::ENOUGH;
+use super::descent::GOAL;
 use super::descent::{descended, largest, polished, repaired, Family};
 use super::directions::{candidates, mean_direction, spans, Candidate, Counts};
 use super::plane::plane;
@@ -80,7 +80,7 @@ const HOPELESS: f64 = 6.0;
 /// than the plane: the best plane. `None` without samples or with numbers that are not finite.
 /// *Not guaranteed*: that the optimum is global.
 pub fn primal(samples: &[Sample], options: &PrimalOptions) -> Option<Fit> {
-    let enough = ENOUGH * options.tolerance;
+    let enough = GOAL * options.tolerance;
     let flat = plane(samples)?;
     if flat.error <= options.tolerance || samples.len() < 6 {
         return Some(flat);
@@ -229,7 +229,7 @@ fn simple(
     let (a, b) = family.foot_range();
     let count = family.breaks.len() - 1;
     let (mut family, mut x) = family.changed(&x, spans(a, b, count), slopes)?;
-    let reached = polished(&mut family, &mut x, few, all, ENOUGH * tolerance / unit)?;
+    let reached = polished(&mut family, &mut x, few, all, GOAL * tolerance / unit)?;
     if reached * unit > tolerance {
         return None;
     }
@@ -314,7 +314,7 @@ pub(crate) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], op
         family.adopt(&all);
     }
     family.keep_margin(&x, RegularityMargin { clearance: 0.0, bend_radius: options.bend_radius / unit });
-    polished(&mut family, &mut x, &few, &all, ENOUGH * options.tolerance / unit)?;
+    polished(&mut family, &mut x, &few, &all, GOAL * options.tolerance / unit)?;
     finished(torse.frame, unit, &family, &x, kind, samples)
 }
 

@@ -22,7 +22,7 @@ pub enum Right {
 
 /// A smooth stretch of border.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Chain {
+pub(crate) struct BorderStretch {
     /// Vertices in order, label `left` on their left.
     pub vertices: Vec<u32>,
     /// Parameter of every vertex, from 0 to 1, increasing: chord length in the scaled parameter plane, so that a
@@ -60,7 +60,7 @@ pub fn chains(
     trim_edge: &dyn Fn(u32, u32) -> u32,
     gain: &dyn Fn(u32, u32, u32) -> f64,
     cuts: &BTreeSet<u32>,
-) -> Vec<Chain> {
+) -> Vec<BorderStretch> {
     // 1. Border edges, each once: seams with the smaller label on the left.
     let label = label_map(partition);
     let mut border: BTreeMap<(u32, u32), (u32, Right)> = BTreeMap::new();
@@ -144,7 +144,7 @@ pub fn chains(
                 })
                 .collect();
             let parameters = increasing(&steps);
-            out.push(Chain { vertices, parameters, left, right, length });
+            out.push(BorderStretch { vertices, parameters, left, right, length });
         }
     }
     out

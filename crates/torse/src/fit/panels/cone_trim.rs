@@ -4,7 +4,7 @@
 //! lines, and every border between two pieces or of one piece becomes one edge, so that neighbours share it. Pieces
 //! stay exact cones, cylinders and planes \[LP98\].
 
-use super::chains::{chains, loops as cycles, Chain, Right};
+use super::chains::{chains, loops as cycles, BorderStretch, Right};
 use super::trim::{edge, trim, Waypoint};
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
@@ -268,14 +268,14 @@ fn mean_width(spline: &ConeSpline, range: &[f64; 2], chart: &ConeChart) -> f64 {
 }
 
 /// Whether a chain runs along a ruling, up to a distance (mm); `width` is the length of one in x.
-fn straight(chain: &Chain, partition: &Partition, width: f64, off: f64) -> bool {
+fn straight(chain: &BorderStretch, partition: &Partition, width: f64, off: f64) -> bool {
     let x = |v: u32| partition.vertices[v as usize][0];
     chain.vertices.iter().all(|&v| (x(v) - x(chain.vertices[0])).abs() * width <= off)
 }
 
 /// The curve of a chain on the blank of its piece, and its distance (mm) from the chain's corners.
 fn free(
-    chain: &Chain,
+    chain: &BorderStretch,
     partition: &Partition,
     chart: &ConeChart,
     piece: &PartFace,
@@ -310,7 +310,7 @@ fn free(
 }
 
 /// Loops of a piece, outer first; seen from the side of the normals the chain's coordinates are mirrored.
-fn loops_of(partition: &Partition, label: u32, all: &[Chain]) -> Option<Vec<Vec<(usize, bool)>>> {
+fn loops_of(partition: &Partition, label: u32, all: &[BorderStretch]) -> Option<Vec<Vec<(usize, bool)>>> {
     let mut of_edge: HashMap<(u32, u32), (usize, bool)> = HashMap::default();
     for (k, c) in all.iter().enumerate() {
         let forward = c.left == label;

@@ -93,8 +93,8 @@ fn main_direction(m: &Matrix3<f64>) -> Vec3 {
 /// Axis of the smallest cap around unit normals: the direction of the shortest `x` with `n·x ≥ 1` for all of them.
 fn cap_axis(normals: &[Vec3]) -> Option<Vec3> {
     // More constraints than this are thinned: the cap of a dense row of normals hardly changes.
-    const MANY: usize = 400;
-    let stride = normals.len().div_ceil(MANY);
+    const MOST_NORMALS: usize = 400;
+    let stride = normals.len().div_ceil(MOST_NORMALS);
     let mut p = QuadraticProgram::new(3);
     for i in 0..3 {
         p.add_hessian(i, i, 1.0);

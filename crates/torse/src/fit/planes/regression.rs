@@ -150,7 +150,7 @@ struct Program<'a> {
     data: std::borrow::Cow<'a, SlopeData>,
     knots: &'a Knots,
     options: &'a RegressionOptions,
-    rows: Vec<Row>,
+    rows: Vec<SecondDerivative>,
     margin: f64,
     free: Option<SlopeFit>,
 }
@@ -166,7 +166,7 @@ impl<'a> Program<'a> {
             (Some(m), _) => m,
             (None, Ok(fit)) => {
                 let control = &fit.curve.planes().control;
-                let size = |r: &Row| (0..2).map(|d| r.value(control, d).abs()).fold(0.0, f64::max);
+                let size = |r: &SecondDerivative| (0..2).map(|d| r.value(control, d).abs()).fold(0.0, f64::max);
                 RELATIVE_MARGIN * rows.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
             }
             (None, Err(e)) => return Err(e.clone().into()),
@@ -241,7 +241,7 @@ fn part_in_box(curve: &DualCurve, t: f64, [min, max]: [&[f64; 3]; 2]) -> Option<
 }
 
 /// Whether a regression point at the rulings looked at is out of bounds.
-fn meets(curve: &DualCurve, rows: &[Row], forbidden: &Forbidden) -> bool {
+fn meets(curve: &DualCurve, rows: &[SecondDerivative], forbidden: &Forbidden) -> bool {
     rows.iter().any(|row| {
         (0..=RULINGS).any(|k| {
             let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;
@@ -324,21 +324,21 @@ impl ForbiddenZone {
 }
 
 /// One control value of the second derivative as a combination of control values of the function.
-struct Row {
+struct SecondDerivative {
     first: usize,
     factors: Vec<f64>,
     from: f64,
     to: f64,
 }
 
-impl Row {
+impl SecondDerivative {
     fn value(&self, control: &[[f64; 4]], d: usize) -> f64 {
         self.factors.iter().zip(&control[self.first..]).map(|(f, c)| f * c[d]).sum()
     }
 }
 
 /// Control values of the second derivative: those of its B-spline, or Bernstein coefficients on parts of spans.
-fn second_derivative_rows(knots: &Knots, refinements: usize) -> Result<Vec<Row>, RegressionError> {
+fn second_derivative_rows(knots: &Knots, refinements: usize) -> Result<Vec<SecondDerivative>, RegressionError> {
     let (k, v) = (knots.degree(), knots.values());
     if k < 2 {
         return Err(RegressionError::NoSecondDerivative { degree: k, knot: v[0] });
@@ -355,7 +355,7 @@ fn second_derivative_rows(knots: &Knots, refinements: usize) -> Result<Vec<Row>,
                 let f = (k - 1) as f64 / (v[j + k + 1] - v[j + 2]);
                 let (p, q) = (first(j), first(j + 1));
                 let (from, to) = (v[j + 2].max(a), v[j + k + 1].min(b));
-                Row { first: j, factors: vec![f * p, -f * (p + q), f * q], from, to }
+                SecondDerivative { first: j, factors: vec![f * p, -f * (p + q), f * q], from, to }
             })
             .collect();
         return Ok(rows);
@@ -377,7 +377,7 @@ fn second_derivative_rows(knots: &Knots, refinements: usize) -> Result<Vec<Row>,
             let values: Vec<_> = (0..=d).map(|i| knots.basis_on_span(span, at(node(i)), 2).rows[2]).collect();
             for c in 0..=d {
                 let factors = (0..=k).map(|j| (0..=d).map(|i| inverse[(c, i)] * values[i][j]).sum()).collect();
-                out.push(Row { first: span - k, factors, from: at(0.0), to: at(1.0) });
+                out.push(SecondDerivative { first: span - k, factors, from: at(0.0), to: at(1.0) });
             }
         }
     }
@@ -391,7 +391,7 @@ type Zones = [Option<(f64, f64)>];
 fn one_side(
     data: &SlopeData,
     knots: &Knots,
-    (rows, zones): (&[Row], &Zones),
+    (rows, zones): (&[SecondDerivative], &Zones),
     side: f64,
     margin: f64,
     options: &RegressionOptions,

@@ -248,8 +248,8 @@ fn is_dxf(start: &str) -> bool {
 
 /// The first few names of curves.
 fn list(all: &[Found]) -> String {
-    const FEW: usize = 8;
-    let some: Vec<String> = all.iter().take(FEW).map(|f| format!("#{}", f.label)).collect();
+    const MOST_LISTED: usize = 8;
+    let some: Vec<String> = all.iter().take(MOST_LISTED).map(|f| format!("#{}", f.label)).collect();
     if all.is_empty() {
         "no curve".to_owned()
     } else if all.len() > some.len() {

@@ -296,12 +296,13 @@ fn unproven(report: &Report) -> String {
 
 /// Things to look at before cutting.
 pub(super) fn warnings(report: &Report) -> String {
-    const MOST: usize = 12;
+    const MOST_NAMED: usize = 12;
     let mut items = Vec::new();
     let mut warn = |found: Vec<String>, words: &str| {
-        let more = if found.len() > MOST { format!(" and {} more", found.len() - MOST) } else { String::new() };
+        let more =
+            if found.len() > MOST_NAMED { format!(" and {} more", found.len() - MOST_NAMED) } else { String::new() };
         if !found.is_empty() {
-            items.push(format!("{words}: {}{more}.", found[..found.len().min(MOST)].join(", ")));
+            items.push(format!("{words}: {}{more}.", found[..found.len().min(MOST_NAMED)].join(", ")));
         }
     };
     let of: HashMap<&str, &PartRecord> =

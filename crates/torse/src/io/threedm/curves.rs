@@ -23,19 +23,19 @@ const SKEW: f64 = 1e-6;
 /// A curve of the file, in mm or, in a parameter plane, in parameters of a surface.
 #[derive(Clone, Debug)]
 pub(super) struct FileCurve {
-    pieces: Vec<Piece>,
+    pieces: Vec<CurvePiece>,
 }
 
 /// A piece of a curve: the file's parameter runs over `domain` while the natural one runs from the first to the second
 /// of `natural`, linearly.
 #[derive(Clone, Debug)]
-struct Piece {
+struct CurvePiece {
     curve: SpaceCurve,
     natural: [f64; 2],
     domain: [f64; 2],
 }
 
-impl Piece {
+impl CurvePiece {
     fn at(&self, t: f64) -> f64 {
         let [a, b] = self.domain;
         let s = ((t - a) / (b - a)).clamp(0.0, 1.0);
@@ -270,7 +270,7 @@ pub(super) fn point(c: &mut Cursor, scale: f64) -> Reading<Vec3> {
 }
 
 fn piece(curve: SpaceCurve, natural: [f64; 2], domain: [f64; 2]) -> FileCurve {
-    FileCurve { pieces: vec![Piece { curve, natural, domain }] }
+    FileCurve { pieces: vec![CurvePiece { curve, natural, domain }] }
 }
 
 fn line(c: &mut Cursor, scale: f64) -> Reading<FileCurve> {

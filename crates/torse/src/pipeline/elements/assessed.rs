@@ -1,4 +1,4 @@
-//! Strips of rows before their judge, laid flat, as an answer.
+//! Strips of sequences before their judge, laid flat, as an answer.
 
 use super::ends::Ends;
 use super::options::ElementFitOptions;
@@ -59,7 +59,7 @@ impl Sort {
     }
 }
 
-/// What was made of all rows.
+/// What was made of all sequences.
 #[derive(Default)]
 pub(super) struct Made {
     /// Strips.

@@ -15,9 +15,9 @@ use crate::patchwork::panel::Panel;
 use crate::reason::{Item, Reason, StripReason};
 use crate::search::strips::cut::Laid;
 use crate::search::strips::given_outline::GivenBorder;
-use crate::search::strips::rows::RowStrips;
 use crate::search::strips::ruled_face::GivenFace;
 use crate::search::strips::scan_outline::{outlined, Ended, Followed, GIVEN_CHORD};
+use crate::search::strips::sequences::SequenceStrips;
 use crate::torse::strip::Strip;
 use std::ops::Range;
 
@@ -28,8 +28,8 @@ pub(super) struct Ends {
     borders: Vec<Option<GivenBorder>>,
     /// Given faces with the strips in their place.
     faces: Vec<(Face, Range<usize>)>,
-    /// Given rulings, row by row, as they were put in order.
-    rows: Vec<Vec<[Vec3; 2]>>,
+    /// Given rulings, sequence by sequence, as they were put in order.
+    sequences: Vec<Vec<[Vec3; 2]>>,
     /// The same as they are given.
     given: Vec<[Vec3; 2]>,
 }
@@ -40,8 +40,8 @@ impl Ends {
         Self { given: given.to_vec(), ..Self::default() }
     }
 
-    /// Adds the strips of a row.
-    pub fn add(&mut self, found: &RowStrips, face: Option<&GivenFace>, tolerance: f64) {
+    /// Adds the strips of a sequence.
+    pub fn add(&mut self, found: &SequenceStrips, face: Option<&GivenFace>, tolerance: f64) {
         let first = self.borders.len();
         let border = |range: &Range<usize>| match face {
             Some(face) => face.border(range, GIVEN_CHORD * tolerance).map(GivenBorder::Face),
@@ -50,7 +50,7 @@ impl Ends {
         self.borders.extend(found.ranges.iter().map(border));
         match face {
             Some(face) => self.faces.push((face.face.clone(), first..self.borders.len())),
-            None => self.rows.push(found.elements.iter().filter(|e| e.has_ruling()).map(|e| e.ends).collect()),
+            None => self.sequences.push(found.elements.iter().filter(|e| e.has_ruling()).map(|e| e.ends).collect()),
         }
     }
 
@@ -96,7 +96,7 @@ impl Ends {
         if rulings {
             out.push(Claim::at_most(What::EndDistance, whole, most(TrimmedCertificate::beyond_bound)));
             out.push(Claim::at_most(What::BeyondRulings, whole, most(TrimmedCertificate::reach_bound)));
-            let widest = self.rows.iter().flat_map(|r| steps(r)).reduce(f64::max);
+            let widest = self.sequences.iter().flat_map(|r| steps(r)).reduce(f64::max);
             out.extend(widest.map(|w| Claim::measured(What::RulingGap, whole, w)));
         }
         out.push(Claim::at_most(What::EdgeDistance, whole, most(TrimmedCertificate::edge_bound)).within(tolerance));
@@ -159,7 +159,9 @@ impl Ends {
         if rulings {
             out.extend(self.gaps(ended, control));
             out.extend(self.bare(ended, control));
-            out.extend(self.rows.iter().filter_map(|r| opening(r)).map(|(apart, at)| FitNote::OpenRing { apart, at }));
+            out.extend(
+                self.sequences.iter().filter_map(|r| opening(r)).map(|(apart, at)| FitNote::OpenRing { apart, at }),
+            );
         }
         out.into_iter().map(Note::Fit).collect()
     }
@@ -167,14 +169,14 @@ impl Ends {
     /// Stretches between rulings that come one after the other, here or as they are given, which no strip covers as it is cut.
     /// Knows nothing of what strips were fitted to.
     fn bare(&self, ended: &Ended, control: &Control) -> Option<FitNote> {
-        let all: Vec<[Vec3; 2]> = self.rows.iter().flatten().copied().collect();
+        let all: Vec<[Vec3; 2]> = self.sequences.iter().flatten().copied().collect();
         let usual = gaps::usual(&all).or_else(|| gaps::usual(&self.given))?;
-        let rows = self.rows.iter().map(Vec::as_slice).chain([&self.given[..]]);
-        let of_row = |row: &[[Vec3; 2]]| {
-            let pairs = row.windows(2).map(|w| aligned(w[0], w[1])).zip(steps(row));
+        let sequences = self.sequences.iter().map(Vec::as_slice).chain([&self.given[..]]);
+        let of_sequence = |sequence: &[[Vec3; 2]]| {
+            let pairs = sequence.windows(2).map(|w| aligned(w[0], w[1])).zip(steps(sequence));
             pairs.filter(|(_, s)| *s > 0.0 && *s <= WIDE * usual).collect::<Vec<_>>()
         };
-        let stretches: Vec<([[Vec3; 2]; 2], f64)> = rows.flat_map(of_row).collect();
+        let stretches: Vec<([[Vec3; 2]; 2], f64)> = sequences.flat_map(of_sequence).collect();
         let middles: Vec<Vec3> = stretches.iter().map(|(p, _)| p.iter().flatten().sum::<Vec3>() * 0.25).collect();
         let mut off = vec![f64::INFINITY; middles.len()];
         for panel in &ended.panels {
@@ -199,13 +201,13 @@ impl Ends {
 
     /// The widest stretch between neighbouring rulings, if it is much wider than others.
     fn gaps(&self, ended: &Ended, control: &Control) -> Option<FitNote> {
-        let all: Vec<[Vec3; 2]> = self.rows.iter().flatten().copied().collect();
+        let all: Vec<[Vec3; 2]> = self.sequences.iter().flatten().copied().collect();
         let found = gaps(&all);
         let gap = found.first()?;
         let pair = [all.get(gap.after)?, all.get(gap.after + 1)?];
-        // The first ruling of a row has none before it.
+        // The first ruling of a sequence has none before it.
         let mut last = 0;
-        let parted = self.rows.iter().any(|r| {
+        let parted = self.sequences.iter().any(|r| {
             last += r.len();
             last == gap.after + 1
         });

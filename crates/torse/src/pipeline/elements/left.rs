@@ -13,15 +13,15 @@ pub(super) fn bounds(answer: &Answer, out: &[(usize, ContactElement)], control: 
     certified(&strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control).bounds().to_vec()
 }
 
-/// Says by how much a row of planes is shorter where those at its ends are left out.
+/// Says by how much a sequence of planes is shorter where those at its ends are left out.
 pub(super) fn shortened(given: &Given, out: &[(usize, ContactElement)]) -> Option<FitNote> {
-    let Given::Planes(row) = given else { return None };
+    let Given::Planes(sequence) = given else { return None };
     let is_out = |k: &usize| out.iter().any(|o| o.0 == *k);
-    let first = (0..row.len()).find(|k| !is_out(k))?;
-    let last = (0..row.len()).rev().find(|k| !is_out(k))?;
-    let count = first + row.len() - 1 - last;
+    let first = (0..sequence.len()).find(|k| !is_out(k))?;
+    let last = (0..sequence.len()).rev().find(|k| !is_out(k))?;
+    let count = first + sequence.len() - 1 - last;
     let way =
         |range: &[ContactElement]| -> f64 { range.windows(2).map(|w| (w[1].centre() - w[0].centre()).norm()).sum() };
-    let by = way(&row[..=first]) + way(&row[last..]);
-    (count > 0).then(|| FitNote::Shortened { count, by, of: way(row) })
+    let by = way(&sequence[..=first]) + way(&sequence[last..]);
+    (count > 0).then(|| FitNote::Shortened { count, by, of: way(sequence) })
 }

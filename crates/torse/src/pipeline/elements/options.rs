@@ -4,7 +4,7 @@ use crate::develop::view::Drawn;
 use crate::fit::elements::given::FEWEST;
 use crate::fit::planes::estimates::EstimateError;
 use crate::geom::coarse::{Coarse, Loose};
-use crate::search::strips::rows::RowsAsked;
+use crate::search::strips::sequences::StripsAsked;
 use crate::torse::zone::{LimitsError, RegressionLimits};
 
 /// What the job is asked.
@@ -53,10 +53,10 @@ impl ElementFitOptions {
         }
     }
 
-    /// What strips of rows must be like.
-    pub(super) fn asked(&self) -> RowsAsked {
+    /// What strips of sequences must be like.
+    pub(super) fn asked(&self) -> StripsAsked {
         let Self { tolerance, fix_ends, smoothing, .. } = *self;
-        RowsAsked { tolerance, limits: self.limits.clone(), fix_ends, smoothing }
+        StripsAsked { tolerance, limits: self.limits.clone(), fix_ends, smoothing }
     }
 }
 

@@ -239,7 +239,7 @@ const BEYOND: f64 = 0.25;
 /// The line, carried on straight at both ends until it leaves the box `[u0, u1, v0, v1]` by a margin; what lies beyond
 /// that is left out.
 pub(super) fn carried_on(line: &[[f64; 2]], b: [f64; 4]) -> Vec<[f64; 2]> {
-    const MOST: usize = 400;
+    const MOST_STEPS: usize = 400;
     let (mu, mv) = (BEYOND * (b[1] - b[0]), BEYOND * (b[3] - b[2]));
     let inside = |p: &[f64; 2]| p[0] > b[0] - mu && p[0] < b[1] + mu && p[1] > b[2] - mv && p[1] < b[3] + mv;
     let (Some(first), Some(last)) = (line.iter().position(inside), line.iter().rposition(inside)) else {
@@ -253,7 +253,7 @@ pub(super) fn carried_on(line: &[[f64; 2]], b: [f64; 4]) -> Vec<[f64; 2]> {
             continue;
         }
         let step: [f64; 2] = std::array::from_fn(|d| (out[n - 1][d] - out[n - 4][d]) / 3.0);
-        for _ in 0..MOST {
+        for _ in 0..MOST_STEPS {
             let p = out[out.len() - 1];
             if !inside(&p) || step[0].abs() + step[1].abs() <= 0.0 {
                 break;

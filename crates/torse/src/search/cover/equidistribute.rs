@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
 const FEWEST: f64 = 7.0;
 /// More bands than this are asked for where a strip potential is no good, as around a pole.
-const MOST: f64 = 1000.0;
+const MOST_BANDS: f64 = 1000.0;
 /// Rounds of fitting all bands, at most: numbers of bands may go up and down.
 const ROUNDS: usize = 8;
 /// The same where bands are laid anew whose widths are nearly right.
@@ -49,9 +49,9 @@ const REPAIRS: usize = 2;
 /// Bands with larger shares are not narrowed on their own.
 const MOST_REPAIRED: f64 = 1.2;
 /// Fewer bands than this are not narrowed on their own: their errors hardly follow the law.
-const MANY: usize = 16;
+const FEWEST_NARROWED: usize = 16;
 /// Of so many bands one may resist and be divided in two.
-const SOME: usize = 8;
+const ONE_RESISTS_OF: usize = 8;
 /// Share by which areas of the same region may differ, by rounding.
 const SAME_AREA: f64 = 1e-9;
 /// Share for which a band is laid that gives of its width, and the one up to which others take it.
@@ -66,7 +66,7 @@ const OVERLAP: f64 = 0.5;
 const MORE: (f64, f64) = (0.3, 2.0);
 
 /// One component of a band.
-struct Piece {
+struct BandPart {
     label: u32,
     fit: Option<Arc<Fit>>,
     /// The best torse, where none is good enough.
@@ -90,7 +90,7 @@ impl Job<'_> {
         (theory, density): (f64, &[f64]),
         budget: usize,
     ) -> Option<(State, f64)> {
-        if !(FEWEST..MOST).contains(&theory) {
+        if !(FEWEST..MOST_BANDS).contains(&theory) {
             return None;
         }
         let most = (theory * (1.0 + MORE.0) + MORE.1) as usize;
@@ -162,7 +162,7 @@ impl Job<'_> {
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
             let resist: Vec<bool> = bands.iter().map(|b| b.iter().any(|p| p.fit.is_none())).collect();
             let resisting = resist.iter().filter(|r| **r).count();
-            if !complete && resisting <= (count / SOME).max(1) && count + resisting <= budget {
+            if !complete && resisting <= (count / ONE_RESISTS_OF).max(1) && count + resisting <= budget {
                 divided = Some(halved(&levels, &resist));
             }
             known = levels
@@ -174,7 +174,8 @@ impl Job<'_> {
                     single: if let [p] = &band[..] { p.fit.clone().or(p.refused.clone()) } else { None },
                 })
                 .collect();
-            if !complete && count >= MANY && repairs < REPAIRS && (round > 0 || worst <= EVEN * EVEN * least) {
+            if !complete && count >= FEWEST_NARROWED && repairs < REPAIRS && (round > 0 || worst <= EVEN * EVEN * least)
+            {
                 if let Some(next) = repaired(&levels, &shares) {
                     levels = next;
                     repairs += 1;
@@ -192,7 +193,7 @@ impl Job<'_> {
                 if needed.max(least_count) >= count && (worst <= EVEN * least || same > 0 || repairs > 0) {
                     break;
                 }
-            } else if round > 1 && worst >= MOST_SHARE && resisting > (count / SOME).max(1) {
+            } else if round > 1 && worst >= MOST_SHARE && resisting > (count / ONE_RESISTS_OF).max(1) {
                 break;
             }
             // One band fewer is not tried before all bands of a round were good.
@@ -221,7 +222,7 @@ impl Job<'_> {
         if best.is_none() && !self.control.stopped() {
             // A few bands resist, the others are good: two in place of each.
             let (laid, bands) = self.laid(state, label, field, &divided?, &known);
-            let panels: Vec<&Piece> = bands.iter().flatten().collect();
+            let panels: Vec<&BandPart> = bands.iter().flatten().collect();
             let within = panels.len() <= budget && panels.iter().all(|p| p.fit.is_some());
             // The march may do better than halves.
             return within.then(|| (finished(laid, bands, &levels_of), 1.0));
@@ -239,11 +240,11 @@ impl Job<'_> {
         field: &Field,
         levels: &[f64],
         known: &[Known],
-    ) -> (State, Vec<Vec<Piece>>) {
+    ) -> (State, Vec<Vec<BandPart>>) {
         let (laid, mut pieces) = self.proposed(state, label, field, levels, known);
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
             let how = AttemptOptions { prove: true, ..proposals(known) };
-            let proven = |p: &mut Piece, w: &[f64]| {
+            let proven = |p: &mut BandPart, w: &[f64]| {
                 let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
                 let mut t = self.confirmed(&laid, p.label, fit);
                 if t.accepted.is_none() {
@@ -267,7 +268,7 @@ impl Job<'_> {
         field: &Field,
         levels: &[f64],
         known: &[Known],
-    ) -> (State, Vec<Vec<Piece>>) {
+    ) -> (State, Vec<Vec<BandPart>>) {
         let mut laid = state.clone();
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
@@ -291,12 +292,13 @@ impl Job<'_> {
                 // The same region: its proof still holds.
                 let proven = proven.filter(|a| (a - area).abs() <= SAME_AREA * area);
                 let fit = (error <= allowed).then(|| Arc::new(Fit { error, worst, ..(**fit).clone() }))?;
-                Some(Piece { label, share: error / allowed, fit: Some(fit), refused: None, proven })
+                Some(BandPart { label, share: error / allowed, fit: Some(fit), refused: None, proven })
             });
             match kept {
                 Some(piece) => piece,
                 None => {
-                    let near = known.iter().filter(|k| alone && levels.len() <= MANY && k.overlap(w) > OVERLAP);
+                    let near =
+                        known.iter().filter(|k| alone && levels.len() <= FEWEST_NARROWED && k.overlap(w) > OVERLAP);
                     let near = near.max_by(|a, b| a.overlap(w).total_cmp(&b.overlap(w)));
                     let from = near.and_then(|k| k.single.as_deref());
                     let centre = self.middle(&laid, label, field, w);
@@ -318,9 +320,9 @@ impl Job<'_> {
     }
 
     /// What was tried on a component of a band.
-    fn piece(&self, label: u32, t: Attempt) -> Piece {
+    fn piece(&self, label: u32, t: Attempt) -> BandPart {
         let share = t.error / (self.options.tolerance * DISTANCE_SHARE);
-        Piece { label, fit: t.accepted, refused: t.refused.map(Arc::new), share, proven: None }
+        BandPart { label, fit: t.accepted, refused: t.refused.map(Arc::new), share, proven: None }
     }
 
     /// The middle line of a component of the band between two levels.
@@ -426,7 +428,7 @@ impl Known {
 }
 
 /// The state with the panels of bands.
-fn finished(mut laid: State, bands: Vec<Vec<Piece>>, levels_of: &Arc<Field>) -> State {
+fn finished(mut laid: State, bands: Vec<Vec<BandPart>>, levels_of: &Arc<Field>) -> State {
     for p in bands.into_iter().flatten() {
         laid.bands.insert(p.label, Arc::clone(levels_of));
         laid.panels.extend(p.fit.map(|f| (p.label, f)));

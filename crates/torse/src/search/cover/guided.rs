@@ -48,7 +48,7 @@ const MORE: f64 = 1.2;
 const LEAST_AREA: f64 = 1e-9;
 
 /// A line for a strip.
-struct Line {
+struct FrontLine {
     points: Vec<[f64; 2]>,
     /// Whether it is carried on beyond the face.
     open: bool,
@@ -155,7 +155,7 @@ impl Job<'_> {
     /// Lays the panels along all curves of the layout, then the fronts; what stays free has no torse.
     pub(super) fn guided(&self, mut state: State, curves: &[PanelCurve]) -> State {
         let bounds = state.bounds();
-        let mut fronts: Vec<(String, usize, Line, f64)> = Vec::new();
+        let mut fronts: Vec<(String, usize, FrontLine, f64)> = Vec::new();
         for c in curves {
             let Ok(found) = state.lines_of(c, self.options.tolerance) else { continue };
             for line in found.into_iter().flat_map(opened) {
@@ -163,8 +163,8 @@ impl Job<'_> {
                 if let Some(laid) = self.strip(&state, &ruled, None, &c.name, 0) {
                     state = laid.state;
                     let [back, forth] = laid.borders;
-                    fronts.push((c.name.clone(), 1, Line { points: back, open: line.open }, -1.0));
-                    fronts.push((c.name.clone(), 1, Line { points: forth, open: line.open }, 1.0));
+                    fronts.push((c.name.clone(), 1, FrontLine { points: back, open: line.open }, -1.0));
+                    fronts.push((c.name.clone(), 1, FrontLine { points: forth, open: line.open }, 1.0));
                 }
             }
         }
@@ -177,7 +177,7 @@ impl Job<'_> {
             }
             if let Some((laid, next)) = self.advanced(&state, &border, side, bounds, (&name, step)) {
                 state = laid;
-                fronts.push_back((name, step + 1, Line { points: next, open: border.open }, side));
+                fronts.push_back((name, step + 1, FrontLine { points: next, open: border.open }, side));
             }
         }
         state
@@ -187,7 +187,7 @@ impl Job<'_> {
     fn advanced(
         &self,
         state: &State,
-        border: &Line,
+        border: &FrontLine,
         side: f64,
         bounds: [f64; 4],
         (name, step): (&str, usize),
@@ -203,7 +203,7 @@ impl Job<'_> {
                 .zip(&on_border.ends)
                 .map(|(p, e)| walked(surface, p, side * share * e[forward]))
                 .collect();
-            let line = Line { points: ahead?, open: border.open };
+            let line = FrontLine { points: ahead?, open: border.open };
             if let Some(ruled) = self.ruled_torse(&line, bounds) {
                 let limit = Ahead { side: forward, share };
                 if let Some(laid) = self.strip(state, &ruled, Some(limit), name, step) {
@@ -223,7 +223,7 @@ impl Job<'_> {
     }
 
     /// Rulings, intervals and torse along a line.
-    fn ruled_torse(&self, line: &Line, bounds: [f64; 4]) -> Option<RuledTorse> {
+    fn ruled_torse(&self, line: &FrontLine, bounds: [f64; 4]) -> Option<RuledTorse> {
         let surface = &self.face.surface;
         let mut points = resampled(surface, &line.points);
         if line.open {
@@ -391,13 +391,13 @@ fn resampled(surface: &Surface, line: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// Open lines of a line: two halves of a closed one.
-fn opened(line: Vec<[f64; 2]>) -> Vec<Line> {
+fn opened(line: Vec<[f64; 2]>) -> Vec<FrontLine> {
     let closed = line.len() > 6 && line.first() == line.last();
     if !closed {
-        return vec![Line { points: line, open: true }];
+        return vec![FrontLine { points: line, open: true }];
     }
     let middle = line.len() / 2;
-    [line[..=middle].to_vec(), line[middle..].to_vec()].map(|points| Line { points, open: false }).into()
+    [line[..=middle].to_vec(), line[middle..].to_vec()].map(|points| FrontLine { points, open: false }).into()
 }
 
 /// Signed distance from the border of a polygon, positive inside.

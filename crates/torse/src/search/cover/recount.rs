@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// program; monkey saddle at 10 mm: 1.23 becomes 0.95.
 const LOOSE: f64 = 1.25;
 /// Of more bands than this one less is not worth the time: 29 of the half bowl at 0.1 mm take 13 seconds more to end at 0.99.
-const MANY: usize = 20;
+const MOST_RECOUNTED: usize = 20;
 /// Factor on that up to which torses are taken as they are: the program makes them better in less time than fits of their own.
 const ACCEPTED: f64 = 1.3;
 /// Bands overlap by less than this share of the narrower one where they follow each other.
@@ -32,7 +32,7 @@ pub(crate) enum Recount {
 }
 
 /// Bands of one function.
-struct Chain {
+struct BandSequence {
     field: Arc<Field>,
     labels: Vec<u32>,
     rise: Rise,
@@ -40,7 +40,7 @@ struct Chain {
     count: usize,
 }
 
-impl Chain {
+impl BandSequence {
     /// Error (tolerances) that so many bands promise by the square law.
     fn promised(&self, count: usize) -> f64 {
         (self.rise.whole() / count.max(1) as f64).powi(2)
@@ -53,16 +53,17 @@ impl Job<'_> {
     pub(crate) fn recounted(&self, state: &State, recount: Recount) -> Option<State> {
         let (face, options, control) = (self.face, &self.options, self.control);
         let chains = state.chains(options.tolerance * DISTANCE_SHARE);
-        let count = |c: &Chain| match recount {
+        let count = |c: &BandSequence| match recount {
             Recount::Less => c.count - 1,
             Recount::More => c.count + 1,
         };
-        let promised = |c: &Chain| c.promised(count(c));
+        let promised = |c: &BandSequence| c.promised(count(c));
         // With one sign of curvature theory holds: it becomes no less than promised.
         let most = if state.has_one_sign() { 1.0 } else { LOOSE };
         let chain = match recount {
             Recount::Less => {
-                let promising = chains.iter().filter(|c| (3..=MANY).contains(&c.count) && promised(c) <= most);
+                let promising =
+                    chains.iter().filter(|c| (3..=MOST_RECOUNTED).contains(&c.count) && promised(c) <= most);
                 promising.min_by(|a, b| promised(a).total_cmp(&promised(b)))
             }
             Recount::More => chains.iter().max_by(|a, b| a.promised(a.count).total_cmp(&b.promised(b.count))),
@@ -83,7 +84,7 @@ impl Job<'_> {
 impl State {
     /// The state with the bands of one function as one region, and its label. Where there is nothing else the face is triangulated
     /// anew: triangles beside borders that are gone would be thin.
-    fn without(&self, face: &Face, chain: &Chain, tolerance: f64) -> Option<(State, u32)> {
+    fn without(&self, face: &Face, chain: &BandSequence, tolerance: f64) -> Option<(State, u32)> {
         if chain.labels.len() == self.panels.len() {
             return Some((State::bare(face, tolerance).ok()?, 0));
         }
@@ -98,7 +99,7 @@ impl State {
     }
 
     /// Functions of which a cover has several bands, in the order of their first labels.
-    fn chains(&self, allowed: f64) -> Vec<Chain> {
+    fn chains(&self, allowed: f64) -> Vec<BandSequence> {
         let mut groups: Vec<(Arc<Field>, Vec<u32>)> = Vec::new();
         for (label, field) in self.bands.iter().filter(|b| self.panels.contains_key(b.0)) {
             match groups.iter_mut().find(|g| Arc::ptr_eq(&g.0, field)) {
@@ -112,7 +113,7 @@ impl State {
                 [lo, hi, self.panels[l].error / allowed]
             };
             let bands: Vec<[f64; 3]> = labels.iter().map(band).collect();
-            Chain { rise: Rise::of_bands(&bands), count: in_sequence(bands), field, labels }
+            BandSequence { rise: Rise::of_bands(&bands), count: in_sequence(bands), field, labels }
         };
         groups.into_iter().filter(|g| g.1.len() > 1).map(chain).collect()
     }

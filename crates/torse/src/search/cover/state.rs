@@ -189,11 +189,11 @@ impl State {
         // Regions of fewer than about five cells across have more vertices than this share of their triangles.
         const THIN: f64 = 0.6;
         // Samples that a region has at least.
-        const LEAST: usize = 300;
+        const FEWEST_SAMPLES: usize = 300;
         let region = self.partition.region(label);
         let mut out = self.samples(label);
         let thin = out.len() as f64 > THIN * region.len() as f64;
-        let enough = (1..LEAST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(1);
+        let enough = (1..FEWEST_SAMPLES).find(|m| region.len() * m * m / 2 >= FEWEST_SAMPLES).unwrap_or(1);
         let parts = if thin { enough.max(across) } else { enough } * finer;
         let mut add = |u: f64, v: f64| {
             let jet = self.surface.jet(u, v);

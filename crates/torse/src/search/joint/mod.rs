@@ -50,7 +50,7 @@ const BETWEEN: f64 = 0.8;
 /// Times that strips get finer for that, and the largest distance of a sample that this may lead to, in tolerances.
 const POLISHINGS: usize = 3;
 /// See [`POLISHINGS`].
-const MOST: f64 = 0.97;
+const POLISHED: f64 = 0.97;
 
 /// Edges between faces that are given up where strips come no nearer, at most, and steps after which none is: each costs some.
 const LEFT: (usize, usize) = (3, 16);
@@ -216,7 +216,7 @@ fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
         edges.iter().filter(|e| e.as_ref().is_none_or(|e| e.misses(share))).count()
     };
     now.members.iter_mut().for_each(|m| m.least *= BETWEEN);
-    let most = now.measured()[0].max(MOST);
+    let most = now.measured()[0].max(POLISHED);
     now = settled(now, most);
     let edges = now.edges();
     let mut best = (now, edges);

@@ -19,7 +19,7 @@ const STEPS: usize = 8;
 /// Trials of a step, more and more damped, before parts of one are tried.
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
-const ENOUGH: (f64, f64, usize) = (0.93, 0.02, 2);
+const SETTLED: (f64, f64, usize) = (0.93, 0.02, 2);
 /// Largest gap (tolerances) of strips that meet as they are, as parts of one developable do: no step brings them nearer.
 const MET: f64 = 1e-9;
 /// Steps that gain less end the program once gaps are small enough; with distances beyond the tolerance, where all hangs on a
@@ -69,8 +69,8 @@ impl<'a> Joint<'a> {
             let at = now.measured();
             far |= count == FAR.1 && at[0] > FAR.0;
             let merit = |[distance, gap]: [f64; 2]| distance.max(LOW_ENOUGH) + GAP.1 * gap.max(GAP.0);
-            let is_settled = begun || count >= ENOUGH.2 || at[1] <= MET;
-            if is_settled && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
+            let is_settled = begun || count >= SETTLED.2 || at[1] <= MET;
+            if is_settled && at[0] < SETTLED.0 && at[1] < SETTLED.1 {
                 break;
             }
             let columns = now.columns();
@@ -88,7 +88,7 @@ impl<'a> Joint<'a> {
                 let Some(found) = step(now, &columns, &Prices { gaps: weight, damping, reach }) else { return };
                 effort = [effort[0] + 1, effort[1] + found.iterations];
                 // Farther away a step may lead to more than it expects, since samples change sides.
-                if is_settled && at[0] < 1.0 && at[1] < ENOUGH.1 && merit(at) - merit(found.expected) < STALLED.0 {
+                if is_settled && at[0] < 1.0 && at[1] < SETTLED.1 && merit(at) - merit(found.expected) < STALLED.0 {
                     return;
                 }
                 // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
@@ -131,7 +131,7 @@ impl<'a> Joint<'a> {
             }
             let stalled = if reached[0] < 1.0 { STALLED.0 } else { STALLED.0 * STALLED.1 };
             idle = if gained < stalled { idle + 1 } else { 0 };
-            let is_near = (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1;
+            let is_near = (begun || count >= SETTLED.2) && reached[1] < SETTLED.1;
             if !is_part && idle > 0 && (is_near || idle == LAST) {
                 return;
             }

@@ -35,24 +35,24 @@ fn tangent_cone(b: f64, (end, leaves): (f64, f64)) -> DualTorse {
     DualTorse { planes: lsq::fit(&planes, &angles, &knots).expect("planes").curve }
 }
 
-/// The sphere between longitudes 0 and 1 and the outer levels, cut at the inner ones, with tangent cones.
-fn zones(levels: &[f64]) -> (Face, State) {
-    zones_to((1.0, 0.0), levels)
+/// The sphere between longitudes 0 and 1 and the outer latitudes, cut at the inner ones, with tangent cones.
+fn zones(latitudes: &[f64]) -> (Face, State) {
+    zones_to((1.0, 0.0), latitudes)
 }
 
 /// The same to another longitude, with cones that leave the sphere beyond.
-fn zones_to((end, leaves): (f64, f64), levels: &[f64]) -> (Face, State) {
-    let last = levels.len() - 1;
+fn zones_to((end, leaves): (f64, f64), latitudes: &[f64]) -> (Face, State) {
+    let last = latitudes.len() - 1;
     let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: RADIUS };
-    let (surface, map) = sphere.to_spline((0.0, end), (levels[0], levels[last])).expect("a spline");
+    let (surface, map) = sphere.to_spline((0.0, end), (latitudes[0], latitudes[last])).expect("a spline");
     let face = Face::untrimmed(surface);
     let mut state = State::of_face(&face, 30.0).expect("a state");
     state.partition.labels.fill(0);
-    for (k, &b) in levels[1..last].iter().enumerate() {
+    for (k, &b) in latitudes[1..last].iter().enumerate() {
         let at = map[1].forward(b);
         state.cut(k as u32, k as u32 + 1, |p| p[1] - at);
     }
-    for (k, w) in levels.windows(2).enumerate() {
+    for (k, w) in latitudes.windows(2).enumerate() {
         let torse = Torse::Dual(tangent_cone(0.5 * (w[0] + w[1]), (end, leaves)));
         state.panels.insert(k as u32, Arc::new(Fit { torse, kind: PanelKind::Cone, error: 0.0, worst: 0 }));
     }

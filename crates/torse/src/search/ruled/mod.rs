@@ -21,7 +21,7 @@ use crate::patchwork::panel::{Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::triangulate::TriangulateError;
 use left_out::LeftOut;
-use region::{pieces, Piece};
+use region::{pieces, FacePiece};
 use strips::{Found, Region};
 
 pub use strips::RuledOptions;
@@ -74,7 +74,7 @@ pub(crate) fn ruled_face(
     let mut out = Patchwork::default();
     let mut certificates = Vec::new();
     let mut directing = Vec::new();
-    let mut open: Vec<(Piece, usize)> = pieces.into_iter().rev().map(|p| (p, 0)).collect();
+    let mut open: Vec<(FacePiece, usize)> = pieces.into_iter().rev().map(|p| (p, 0)).collect();
     while let Some((piece, depth)) = open.pop() {
         control.report("ruled strips", done / whole, format!("{} panels", out.panels.len()));
         let index = first + out.faces.len();
@@ -112,7 +112,7 @@ pub(crate) fn ruled_face(
 /// parameter lines.
 fn assessed(
     index: usize,
-    piece: &Piece,
+    piece: &FacePiece,
     (any, options): (bool, &RuledOptions),
     aim: f64,
     control: &Control,

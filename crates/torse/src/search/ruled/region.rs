@@ -12,7 +12,7 @@ use crate::search::cover::State;
 use crate::spline::surface::SurfaceJet;
 
 /// A piece of a face.
-pub(crate) struct Piece {
+pub(crate) struct FacePiece {
     /// The face, bounded by the piece.
     pub face: Face,
     /// Its triangles, all with the label 0.
@@ -23,7 +23,7 @@ pub(crate) struct Piece {
     pub area: f64,
 }
 
-impl Piece {
+impl FacePiece {
     /// Which piece it is.
     pub(super) fn around(&self) -> Around {
         let middle = self.jets.iter().map(|j| j.p).sum::<Vec3>() / self.jets.len().max(1) as f64;
@@ -72,7 +72,7 @@ impl Piece {
 }
 
 /// The triangles of a label as a piece.
-fn part(face: &Face, (whole, all): (&Partition, &[SurfaceJet]), label: u32, new: u32) -> Piece {
+fn part(face: &Face, (whole, all): (&Partition, &[SurfaceJet]), label: u32, new: u32) -> FacePiece {
     let (mut partition, old) = whole.extract(label);
     partition.labels.iter_mut().for_each(|l| *l = 0);
     partition.trim_edges = border_numbers(&partition, &old, whole, new);
@@ -82,7 +82,7 @@ fn part(face: &Face, (whole, all): (&Partition, &[SurfaceJet]), label: u32, new:
         0.5 * (b - a).cross(&(c - a)).norm()
     };
     let area = partition.triangles.iter().map(triangle).sum();
-    Piece { face: bounded_by(face, &partition), partition, jets, area }
+    FacePiece { face: bounded_by(face, &partition), partition, jets, area }
 }
 
 /// Difference of principal curvatures, share of the mean, below which a point counts as planar.
@@ -115,7 +115,7 @@ pub(super) fn shade(c: &Curvatures, size: f64) -> f64 {
 }
 
 /// The pieces of a face that can have strips, and what cannot, with its area in mm².
-pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<Piece>, Vec<(LeftOut, f64)>) {
+pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<FacePiece>, Vec<(LeftOut, f64)>) {
     let size = face.surface.bbox().diagonal();
     // Rulings of half the face's size keep to half the tolerance up to this curvature, where it is positive: what bends more
     // would need strips with kinks between them.

@@ -3,7 +3,7 @@
 //! samples keep to the tolerance \[W15, 2C\].
 
 use super::left_out::LeftOut;
-use super::region::Piece;
+use super::region::FacePiece;
 use crate::control::Control;
 use crate::fit::panels::boundary::ruled::AssignedStrip;
 use crate::fit::panels::boundary::{Borders, BoundaryOptions};
@@ -42,7 +42,7 @@ pub(super) struct Found {
 }
 
 /// Most strips that are tried on a piece that can still be cut, and on one that cannot.
-const MOST: [usize; 2] = [24, 60];
+const MOST_STRIPS: [usize; 2] = [24, 60];
 /// Coordinates that are tried, those first that promise the fewest strips.
 const TRIED: usize = 3;
 /// Chords may be this many times as far from the face as strips: these are placed between both sides of it, and bend.
@@ -101,7 +101,7 @@ struct Plan {
 
 /// A piece and what is asked of its strips.
 pub(super) struct Region<'a> {
-    piece: &'a Piece,
+    piece: &'a FacePiece,
     outline: Outline,
     options: &'a RuledOptions,
     /// Whether rulings may follow parameter lines.
@@ -117,7 +117,7 @@ impl<'a> Region<'a> {
     ///
     /// # Errors
     /// No coordinates.
-    pub fn new(piece: &'a Piece, options: &'a RuledOptions, any: bool, control: &Control) -> Result<Self, LeftOut> {
+    pub fn new(piece: &'a FacePiece, options: &'a RuledOptions, any: bool, control: &Control) -> Result<Self, LeftOut> {
         let outline = Outline::of_piece(&piece.partition);
         let plans = plans(piece, control);
         let mut out = Self { piece, outline, options, any, plans, least: Vec::new() };
@@ -172,7 +172,7 @@ impl<'a> Region<'a> {
 
     /// Most strips that are tried.
     fn most(&self) -> usize {
-        MOST[usize::from(self.any)]
+        MOST_STRIPS[usize::from(self.any)]
     }
 
     /// Values of the boundaries of so many strips.
@@ -400,7 +400,7 @@ fn farthest(patchwork: &Patchwork) -> f64 {
 }
 
 /// Coordinates for strips along all families of curves, with three sorts of boundaries.
-fn plans(piece: &Piece, control: &Control) -> Vec<Plan> {
+fn plans(piece: &FacePiece, control: &Control) -> Vec<Plan> {
     let places: Vec<_> = piece.partition.vertices.iter().copied().zip(piece.jets.iter().copied()).collect();
     let mut pairs: Vec<[usize; 2]> = piece
         .partition

@@ -16,7 +16,7 @@ use crate::geom::Vec3;
 use crate::num::hash::HashMap;
 use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel};
-use crate::patchwork::redraw::Line;
+use crate::patchwork::redraw::NewBorder;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
 use crate::search::cover::{CoverOptions, Job, Limits, Recount, SeamLine, State};
 use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
@@ -32,7 +32,7 @@ const REFINEMENTS: usize = 2;
 /// Times that it is solved without strips that were refused, at most.
 const EXCLUSIONS: usize = 4;
 /// Where a larger share of the strips is refused, only the worst is left out.
-const FEW: f64 = 1.0 / 3.0;
+const REFUSED_SHARE: f64 = 1.0 / 3.0;
 /// Places where less than the reciprocal of this share of the tolerance is left are lost to trimming curves, not to distance.
 const MOST_COUNTED: f64 = 3.0;
 /// Places that count more than this have lost part of the tolerance to ends of panels.
@@ -376,7 +376,7 @@ impl Attempts<'_> {
             return joined.distances.iter().any(|d| *d > self.most);
         }
         let far = joined.distances.iter().filter(|d| **d > 1.0).count();
-        far as f64 > FEW * joined.distances.len() as f64
+        far as f64 > REFUSED_SHARE * joined.distances.len() as f64
     }
 
     /// Panels of strips that were changed together. The `last` time a few strips that are refused are laid anew each for itself.
@@ -435,14 +435,14 @@ impl Attempts<'_> {
                 return Ok(found);
             }
         }
-        let few = refused.labels.len() as f64 <= FEW * next.panels.len() as f64;
+        let few = refused.labels.len() as f64 <= REFUSED_SHARE * next.panels.len() as f64;
         let is_kept = few || refused.labels.is_empty();
         Err(without(if is_kept { refused.labels } else { worst.into_iter().collect() }))
     }
 
     /// The state with a few strips that were refused laid anew on their regions, each for itself.
     fn mended(&self, mut state: State, base: &State, labels: &[u32]) -> Option<State> {
-        if labels.is_empty() || labels.len() as f64 > FEW * state.panels.len() as f64 {
+        if labels.is_empty() || labels.len() as f64 > REFUSED_SHARE * state.panels.len() as f64 {
             return None;
         }
         for label in labels {
@@ -624,7 +624,7 @@ fn both(labels: [Option<u32>; 2]) -> Option<[u32; 2]> {
 impl State {
     /// The state with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
     fn redrawn(&self, lines: &[JoinedLine]) -> Result<State, Vec<[u32; 2]>> {
-        let lines: Vec<Line> = lines.iter().map(|l| Line { labels: l.labels, uv: &l.uv }).collect();
+        let lines: Vec<NewBorder> = lines.iter().map(|l| NewBorder { labels: l.labels, uv: &l.uv }).collect();
         let (u, v) = (self.surface.knots_u.breaks(), self.surface.knots_v.breaks());
         Ok(self.with_partition(self.partition.redrawn(&lines, [&u, &v])?))
     }

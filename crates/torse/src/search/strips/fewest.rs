@@ -21,7 +21,7 @@ use crate::torse::zone::RegressionLimits;
 /// Share of the tolerance at which fits may end: the proof compares rulings part by part, which costs a little.
 const AIM: f64 = 0.9;
 /// Spans looked at, at most.
-const MOST: usize = 64;
+const MOST_SPANS: usize = 64;
 
 /// Control points along a strip.
 pub(crate) fn count(strip: &Strip) -> usize {
@@ -46,8 +46,8 @@ impl Search<'_> {
     /// Whether a strip is within the tolerance, regular, and keeps to the limits; if so, it may become the best.
     fn holds(&mut self, strip: Strip) -> bool {
         // Most strips fail; some of the elements, the last one among them, show that soon.
-        const SOME: usize = 12;
-        let step = self.elements.len().div_ceil(SOME).max(1);
+        const TRIED_FIRST: usize = 12;
+        let step = self.elements.len().div_ceil(TRIED_FIRST).max(1);
         let some: Vec<ContactElement> = self.elements.iter().rev().step_by(step).copied().collect();
         if bound(&strip, &some) > self.tolerance {
             return false;
@@ -67,7 +67,7 @@ impl Search<'_> {
     fn fewest_spans(&mut self, kind: &Kind, control: &Control) {
         let (mut bad, mut enough) = (0, None);
         let mut spans = 1;
-        while spans <= MOST.min(self.elements.len()) && (kind.fewest)(spans) < self.best.0 && !control.stopped() {
+        while spans <= MOST_SPANS.min(self.elements.len()) && (kind.fewest)(spans) < self.best.0 && !control.stopped() {
             if (kind.propose)(spans).is_some_and(|s| self.holds(s)) {
                 enough = Some(spans);
                 break;
@@ -103,7 +103,7 @@ pub(crate) fn fewest(found: Strip, elements: &[ContactElement], wanted: &Sequenc
     if reached.is_nan() || reached > HOPELESS * wanted.tolerance {
         return found;
     }
-    let control_points = if reached <= wanted.tolerance { count(&found) } else { 3 * MOST };
+    let control_points = if reached <= wanted.tolerance { count(&found) } else { 3 * MOST_SPANS };
     let name = found.name.clone();
     search(&name, (control_points, reached, None), elements, wanted, control).unwrap_or(found)
 }
@@ -115,8 +115,8 @@ pub(crate) fn simplest(
     wanted: &SequenceOptions,
     control: &Control,
 ) -> Option<Strip> {
-    const FEW: usize = 36;
-    search(name, (FEW, f64::INFINITY, None), elements, wanted, control)
+    const MOST_CONTROL_POINTS: usize = 36;
+    search(name, (MOST_CONTROL_POINTS, f64::INFINITY, None), elements, wanted, control)
 }
 
 /// What is better than the best so far, over all kinds.

@@ -1,4 +1,4 @@
-//! Strips that are proposed and judged for lofts, rows of elements, given faces and cone splines.
+//! Strips that are proposed and judged for lofts, sequences of elements, given faces and cone splines.
 
 pub(crate) mod assessment;
 pub(crate) mod cone_body;
@@ -14,7 +14,7 @@ pub(crate) mod hull_kept;
 pub(crate) mod hull_whole;
 pub(crate) mod loft_ends;
 pub(crate) mod regression;
-pub(crate) mod rows;
 pub(crate) mod ruled_face;
 pub(crate) mod scan;
 pub(crate) mod scan_outline;
+pub(crate) mod sequences;

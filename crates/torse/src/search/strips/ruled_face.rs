@@ -36,7 +36,7 @@ pub(crate) struct GivenFace {
     /// The face.
     pub face: Face,
     /// Its rulings with their planes.
-    pub row: Vec<ContactElement>,
+    pub elements: Vec<ContactElement>,
     /// The face between its outermost rulings; `None` if it is not developable and regular to the last digit, as fits
     /// are.
     pub strip: Option<Strip>,
@@ -46,7 +46,7 @@ pub(crate) struct GivenFace {
     between: Vec<Vec3>,
     /// Its border where u selects the ruling.
     outline: PlaneOutline,
-    /// The parameter u of every ruling of the row.
+    /// The parameter u of every ruling of the sequence.
     at: Vec<f64>,
 }
 
@@ -72,7 +72,7 @@ impl GivenFace {
             BETWEEN.map(|s| p + (q - p) * s)
         };
         let between = (0..last).flat_map(middle).collect();
-        let (at, row) = (0..=last)
+        let (at, elements) = (0..=last)
             .filter_map(|k| {
                 let u = a + (b - a) * k as f64 / last as f64;
                 let jet = patch.jet(u);
@@ -91,10 +91,10 @@ impl GivenFace {
                     || regular(s, &RegressionLimits::default()) == RegressionVerdict::Clear)
         };
         let strip = Strip::between(name, PanelKind::Torse, lower, upper).ok().filter(developable);
-        Ok(Self { face: face.clone(), row, strip, size, between, outline, at })
+        Ok(Self { face: face.clone(), elements, strip, size, between, outline, at })
     }
 
-    /// The border of what some rulings of the row cover of the face, as closed loops of places in space whose chords lie within
+    /// The border of what some rulings of the sequence cover of the face, as closed loops of places in space whose chords lie within
     /// `chord` (mm) of it. `None` where the last of these rulings cut it into pieces, or through a hole.
     pub fn border(&self, rulings: &Range<usize>, chord: f64) -> Option<Vec<Vec<Vec3>>> {
         let (first, last) = (rulings.start, rulings.end.checked_sub(1)?);
@@ -117,7 +117,7 @@ impl GivenFace {
         (!out.is_empty()).then_some(out)
     }
 
-    /// How far strips are from the face half way between the rulings of its row, mm, sampled.
+    /// How far strips are from the face half way between the rulings of its sequence, mm, sampled.
     pub fn off_between(&self, strips: &[Strip], control: &Control) -> f64 {
         points(strips, &self.between, control).worst_bound().value()
     }

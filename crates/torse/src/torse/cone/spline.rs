@@ -366,11 +366,11 @@ impl ConeSpline {
     /// by no more than `circles`.
     pub fn with_turns_below(&self, limit: f64, circles: f64) -> Self {
         // A full turn at the most makes this many pieces; more would be no limit but a mistake.
-        const MOST: f64 = 64.0;
+        const MOST_PIECES: f64 = 64.0;
         let mut segments = Vec::with_capacity(self.segments.len());
         for s in &self.segments {
             let limit = if s.is_between_circles(0.0) { circles } else { limit };
-            let pieces = (s.shape.angle().abs() / limit).ceil().clamp(1.0, MOST) as usize;
+            let pieces = (s.shape.angle().abs() / limit).ceil().clamp(1.0, MOST_PIECES) as usize;
             if pieces == 1 {
                 segments.push(*s);
                 continue;
@@ -479,7 +479,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_on_one_carrier_are_merged_and_others_are_not() {
+    fn neighbours_on_one_surface_are_merged_and_others_are_not() {
         for shape in [
             Shape::Cone { distance: 4.0, cos_gamma: 0.8, sin_gamma: 0.6, angle: 0.7 },
             Shape::Cylinder { radius: -2.0, angle: 0.9 },

@@ -90,7 +90,7 @@ impl Net {
                     from_spline(&net, around)
                 })
             };
-            Piece::new(part(&self.curve().control), part(self.rulings())).zero().map(|x| w[0] + x * (w[1] - w[0]))
+            NormalForm::new(part(&self.curve().control), part(self.rulings())).zero().map(|x| w[0] + x * (w[1] - w[0]))
         })
     }
 
@@ -222,13 +222,13 @@ impl Triage {
 }
 
 /// Bernstein form of one piece: the normal `c' × e` in homogeneous form, and the curve and ruling for its scale.
-struct Piece {
+struct NormalForm {
     normal: [Vec<Interval>; 3],
     curve: [Vec<f64>; 4],
     ruling: [Vec<f64>; 4],
 }
 
-impl Piece {
+impl NormalForm {
     fn new(curve: [Vec<Interval>; 4], ruling: [Vec<Interval>; 4]) -> Self {
         let slope: [Vec<Interval>; 4] = std::array::from_fn(|d| derivative(&curve[d]));
         let cross = |x: &[Vec<Interval>; 4], y: &[Vec<Interval>; 4]| -> [Vec<Interval>; 3] {

@@ -1,7 +1,7 @@
 //! Where the neutral fibre lies along a face without closed form: its depth by the bend of every ruling, inflections, and the
 //! stretches that are bent one way.
 
-use super::ruled::{FlatRuling, Line, Ruled, HAIR, STEPS};
+use super::ruled::{FlatRuling, Ruled, RulingJet, HAIR, STEPS};
 use super::{Chart, Kind};
 use crate::develop::bends::Ruling;
 use crate::geom::Vec2;
@@ -52,7 +52,7 @@ impl Chart {
     }
 }
 
-impl Line {
+impl RulingJet {
     /// Curvature across the ruling, 1/mm: negative where the face is hollow, seen from outside.
     pub(super) fn curvature(&self) -> f64 {
         let e = self.n.cross(&self.w);
@@ -62,7 +62,7 @@ impl Line {
 
 impl Ruled {
     /// Depth (mm) of the neutral fibre below a ruling.
-    pub(super) fn depth_of(&self, line: &Line) -> f64 {
+    pub(super) fn depth_of(&self, line: &RulingJet) -> f64 {
         let curvature = line.curvature();
         self.fibre.depth(curvature.abs().recip(), curvature < 0.0)
     }

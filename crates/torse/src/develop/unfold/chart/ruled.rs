@@ -117,7 +117,7 @@ const STEP_HALVINGS: usize = 12;
 const NEWTON: usize = 3;
 
 /// A ruling with its derivatives in s.
-pub(super) struct Line {
+pub(super) struct RulingJet {
     pub(super) p: Vec3,
     pub(super) w: Vec3,
     pub(super) n: Vec3,
@@ -166,7 +166,7 @@ impl Ruled {
         Some(out)
     }
 
-    pub(super) fn line(&self, s: f64) -> Option<Line> {
+    pub(super) fn line(&self, s: f64) -> Option<RulingJet> {
         let (lo, hi) = self.along;
         let jet = |r: f64| {
             let j = if self.swapped { self.surface.jet(r, s) } else { self.surface.jet(s, r) };
@@ -187,7 +187,7 @@ impl Ruled {
         let (big, dbig) = (ps.cross(&pr) * sense, (pss.cross(&pr) + ps.cross(&psr)) * sense);
         let n = big.try_normalize(0.0)?;
         let dn = (dbig - n * n.dot(&dbig)) / big.norm();
-        Some(Line { p, w, n, dp: ps, dw, dn })
+        Some(RulingJet { p, w, n, dp: ps, dw, dn })
     }
 
     /// Turn of the normal (rad) towards `e` at a knot, from `hair` before it to `hair` behind. `None` where it goes on within

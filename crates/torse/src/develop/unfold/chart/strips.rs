@@ -9,7 +9,7 @@
 //! where that is too far off to be reckoned with, rulings are as good as parallel. Such strips are laid as near as can be to where the
 //! map of the whole face has their outer rulings. So are general cones below their face, whose offsets are tangent surfaces.
 
-use super::ruled::{Line, Ruled};
+use super::ruled::{Ruled, RulingJet};
 use crate::brep::recognised_surface::RecognisedSurface;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};
@@ -173,7 +173,7 @@ impl Cutter<'_> {
     }
 
     /// The circular cylinder through three rulings, along one of the face, and the angles of the outer two.
-    fn cylinder(&self, [a, b]: [f64; 2], one: &Line) -> Option<(ClosedMap, [f64; 2])> {
+    fn cylinder(&self, [a, b]: [f64; 2], one: &RulingJet) -> Option<(ClosedMap, [f64; 2])> {
         let (z, origin) = (one.w, one.p);
         let across = |s: f64| -> Option<Vec3> {
             let v = self.ruled.line(s)?.p - origin;

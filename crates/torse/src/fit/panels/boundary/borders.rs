@@ -4,7 +4,7 @@
 use super::creases::Creases;
 use super::feet::feet_along;
 use crate::brep::face::Face;
-use crate::fit::panels::chains::{self, Chain, Right};
+use crate::fit::panels::chains::{self, BorderStretch, Right};
 use crate::geom::Vec3;
 use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::Partition;
@@ -106,7 +106,7 @@ pub struct Borders<'a> {
     pub(super) face: &'a Face,
     pub(super) partition: &'a Partition,
     pub(super) points: Vec<Vec3>,
-    pub(super) chains: Vec<Chain>,
+    pub(super) chains: Vec<BorderStretch>,
     pub(super) seams: Vec<u32>,
     /// For every vertex how far (mm) the polyline bends away from a smooth one there.
     pub(super) bend: HashMap<u32, f64>,
@@ -208,7 +208,7 @@ impl<'a> Borders<'a> {
 
     /// All borders between two labels.
     pub fn seam_chains(&self) -> Vec<SeamChain> {
-        let of = |(k, c): (usize, &Chain)| match c.right {
+        let of = |(k, c): (usize, &BorderStretch)| match c.right {
             Right::Label(right) => Some(SeamChain {
                 chain: k,
                 seam: self.seams[k],
@@ -223,7 +223,7 @@ impl<'a> Borders<'a> {
 
     /// All borders of labels that are borders of the face.
     pub(crate) fn trim_chains(&self) -> Vec<TrimChain> {
-        let of = |(k, c): (usize, &Chain)| match c.right {
+        let of = |(k, c): (usize, &BorderStretch)| match c.right {
             Right::Trim(edge) if c.length > 0.0 => {
                 let vertices = c.vertices.clone();
                 Some(TrimChain { chain: k, label: c.left, edge, vertices, length: c.length })
@@ -333,7 +333,7 @@ impl<'a> Borders<'a> {
     ) -> Result<HashMap<u32, Foot>, BoundaryError> {
         // Vertices of borders without length that follow each other (a pole) are one point.
         let mut same: HashMap<u32, u32> = HashMap::default();
-        let points: Vec<&Chain> =
+        let points: Vec<&BorderStretch> =
             loops.iter().flatten().map(|s| &self.chains[s.chain]).filter(|c| c.length <= 0.0).collect();
         for _ in 0..points.len() {
             let before = same.clone();
@@ -392,7 +392,7 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// Vertices and parameters in the direction of the loop.
-    pub(super) fn oriented(&self, chain: &Chain) -> (Vec<u32>, Vec<f64>) {
+    pub(super) fn oriented(&self, chain: &BorderStretch) -> (Vec<u32>, Vec<f64>) {
         if self.forward {
             (chain.vertices.clone(), chain.parameters.clone())
         } else {

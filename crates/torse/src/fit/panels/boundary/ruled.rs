@@ -3,7 +3,7 @@
 
 use super::borders::{Borders, BoundaryError, BoundaryOptions, Stretch};
 use super::path::smoothed;
-use crate::fit::panels::chains::{Chain, Right};
+use crate::fit::panels::chains::{BorderStretch, Right};
 use crate::fit::panels::trim::{self, Waypoint};
 use crate::fit::ruled::strip_map::RuledStrip;
 use crate::num::hash::HashMap;
@@ -67,7 +67,7 @@ impl Borders<'_> {
     /// The line between two neighbours of a row.
     fn shared_line(
         &self,
-        chain: &Chain,
+        chain: &BorderStretch,
         of: &HashMap<u32, &AssignedStrip>,
         options: &BoundaryOptions,
     ) -> Option<SharedLine> {

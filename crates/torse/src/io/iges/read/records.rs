@@ -2,7 +2,7 @@
 
 use super::fields::{Delimiters, Field, Reader};
 use super::global::Global;
-use super::sections::{Line, Sections};
+use super::sections::{SectionLine, Sections};
 use crate::num::parallel;
 use std::collections::HashMap;
 
@@ -224,7 +224,7 @@ impl Records {
 /// Sequence number of the first line of an entity's data, and how many lines it has.
 type Place = (u64, usize);
 
-fn directory(lines: &[Line], notes: &mut Vec<String>) -> Vec<(Entry, Place)> {
+fn directory(lines: &[SectionLine], notes: &mut Vec<String>) -> Vec<(Entry, Place)> {
     let mut out = Vec::with_capacity(lines.len() / 2);
     let mut broken = 0;
     let mut i = 0;
@@ -247,8 +247,8 @@ fn directory(lines: &[Line], notes: &mut Vec<String>) -> Vec<(Entry, Place)> {
     out
 }
 
-fn entry(first: &Line, second: &Line) -> (Entry, Place) {
-    let whole = |line: &Line, k: usize| -> i64 {
+fn entry(first: &SectionLine, second: &SectionLine) -> (Entry, Place) {
+    let whole = |line: &SectionLine, k: usize| -> i64 {
         let text = column(line, k);
         text.parse::<i64>().unwrap_or(0)
     };
@@ -278,14 +278,14 @@ fn entry(first: &Line, second: &Line) -> (Entry, Place) {
 }
 
 /// A field of a line of the directory.
-fn column(line: &Line, k: usize) -> String {
+fn column(line: &SectionLine, k: usize) -> String {
     let (from, to) = ((k * COLUMNS).min(line.data.len()), ((k + 1) * COLUMNS).min(line.data.len()));
     line.data[from..to].iter().map(|&b| char::from(b)).collect::<String>().trim().to_string()
 }
 
 /// The lines of the parameter data.
 struct Data<'a> {
-    lines: &'a [Line<'a>],
+    lines: &'a [SectionLine<'a>],
     /// Entity that each line belongs to, as it says itself.
     owner: Vec<u64>,
     /// First line of each owner.
@@ -349,7 +349,7 @@ impl<'a> Data<'a> {
 }
 
 /// Data columns of a line.
-fn data_of<'a>(line: &Line<'a>) -> &'a [u8] {
+fn data_of<'a>(line: &SectionLine<'a>) -> &'a [u8] {
     match line.data.len() {
         n if n >= DATA + COLUMNS => &line.data[..DATA],
         // Blanks were lost: the last word is the number of the entity.
@@ -357,7 +357,7 @@ fn data_of<'a>(line: &Line<'a>) -> &'a [u8] {
     }
 }
 
-fn owner(line: &Line) -> u64 {
+fn owner(line: &SectionLine) -> u64 {
     let text: Vec<u8> = match line.data.len() {
         n if n >= DATA + COLUMNS => line.data[DATA..].to_vec(),
         _ => line.data.rsplit(u8::is_ascii_whitespace).next().unwrap_or_default().to_vec(),

@@ -9,7 +9,7 @@ const HEAD: usize = 4096;
 
 /// A line of the directory or of the parameter data.
 #[derive(Clone, Debug)]
-pub(super) struct Line<'a> {
+pub(super) struct SectionLine<'a> {
     /// Sequence number as stated; 0 if none can be read.
     pub stated: u64,
     /// What stands before the letter of the section.
@@ -22,9 +22,9 @@ pub(super) struct Sections<'a> {
     /// The global section in one piece.
     pub global: Vec<u8>,
     /// Lines of the directory.
-    pub directory: Vec<Line<'a>>,
+    pub directory: Vec<SectionLine<'a>>,
     /// Lines of the parameter data.
-    pub parameter: Vec<Line<'a>>,
+    pub parameter: Vec<SectionLine<'a>>,
     /// Whether there is a start section.
     pub started: bool,
     /// Whether the terminating line is there.
@@ -81,7 +81,7 @@ impl<'a> Sections<'a> {
             }
             return;
         };
-        let line = Line { stated, data };
+        let line = SectionLine { stated, data };
         match letter {
             b'S' => self.started = true,
             b'G' => self.global.extend(padded(data)),
@@ -94,7 +94,7 @@ impl<'a> Sections<'a> {
     }
 
     /// Whether the stated numbers cannot be used: they must grow from line to line.
-    fn stated_badly(&self, lines: impl Fn(&Self) -> &Vec<Line<'a>>) -> bool {
+    fn stated_badly(&self, lines: impl Fn(&Self) -> &Vec<SectionLine<'a>>) -> bool {
         let lines = lines(self);
         lines.first().is_some_and(|l| l.stated == 0) || lines.windows(2).any(|w| w[1].stated <= w[0].stated)
     }
@@ -104,7 +104,7 @@ impl<'a> Sections<'a> {
 const CONTROL_Z: u8 = 0x1a;
 
 /// Numbers lines by their order.
-fn number(lines: &mut [Line]) {
+fn number(lines: &mut [SectionLine]) {
     for (i, l) in lines.iter_mut().enumerate() {
         l.stated = i as u64 + 1;
     }

@@ -57,7 +57,9 @@ fn panel(fault: &PanelFault) -> String {
         PanelFault::TrimAt(fault, at) => format!("{} at {}", of_loops(*fault), place_in_words(at)),
         PanelFault::UsedUp => "rounding and trimming curves use up the tolerance".into(),
         PanelFault::TooFar { away, at, left } => too_far(*away, at, *left),
-        PanelFault::Resists(obstruction, at) => format!("{} at {}", resistance(*obstruction), place_in_words(at)),
+        PanelFault::Obstructed(obstruction, at) => {
+            format!("{} at {}", of_obstruction(*obstruction), place_in_words(at))
+        }
         PanelFault::Folds(at) => format!("the map to the face folds over at {}", place_in_words(at)),
         PanelFault::MayFold(at) => {
             format!("it could not be shown that the map to the face does not fold over at {}", place_in_words(at))
@@ -77,8 +79,8 @@ fn too_far(away: f64, at: &Vec3, left: Option<f64>) -> String {
     }
 }
 
-/// What a resistance means.
-fn resistance(obstruction: Obstruction) -> &'static str {
+/// What an obstruction means.
+fn of_obstruction(obstruction: Obstruction) -> &'static str {
     match obstruction {
         Obstruction::Foot => "no unique regular foot on the torse could be shown",
         Obstruction::Fold => "the foot map may fold over",

@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 /// Share of all products of heights that have one sign along an edge where heights of that sign are expected.
 const ONE_SIGN: f64 = 0.9;
 /// Heights that must be less than this share of the tolerance are not asked for: panels would become many.
-const LEAST: f64 = 0.25;
+const LEAST_HEIGHT: f64 = 0.25;
 /// Places along an edge at which panels are to be equally high, at most: as along a seam inside a face.
 const MOST_MEETINGS: usize = 120;
 /// Cosine of half the turn of faces at least, for the panels on both sides to be laid anew together.
@@ -73,7 +73,7 @@ pub(super) fn corner_counts(normals: [Vec3; 3]) -> Option<f64> {
         (2.0 * x.norm_squared()).sqrt()
     };
     let away = (0..8).map(point).fold(1.0, f64::max);
-    (away * LEAST <= 1.0).then_some(away / AWAY)
+    (away * LEAST_HEIGHT <= 1.0).then_some(away / AWAY)
 }
 
 /// Places along an edge, and what the distances of panels count there. `None` where faces meet at too small an angle.
@@ -103,5 +103,5 @@ pub(super) fn counts(of: &Common, grounds: &[Ground], torses: &Torses) -> Option
     };
     let counts: Vec<(Vec3, f64)> = out.into_iter().map(|(x, turn)| (x, AWAY * share(turn))).collect();
     let least = counts.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
-    (least >= LEAST).then(|| counts.into_iter().map(|(x, c)| (x, c.min(1.0).recip())).collect())
+    (least >= LEAST_HEIGHT).then(|| counts.into_iter().map(|(x, c)| (x, c.min(1.0).recip())).collect())
 }

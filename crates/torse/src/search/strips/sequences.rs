@@ -1,4 +1,4 @@
-//! Strips that follow rows of rulings or planes \[PW99\]: fitted at several aims, judged, the best kept and made simple.
+//! Strips that follow sequences of rulings or planes \[PW99\]: fitted at several aims, judged, the best kept and made simple.
 
 use super::fewest::{fewest, simplest};
 use super::regression;
@@ -16,9 +16,9 @@ use std::ops::Range;
 /// Shares of the tolerance that fits aim at in turn: the proof compares rulings, the fit distances of points.
 const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 
-/// What strips of rows must be like.
+/// What strips of sequences must be like.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RowsAsked {
+pub(crate) struct StripsAsked {
     /// Largest distance of an element, mm.
     pub tolerance: f64,
     /// What is asked of regression curves.
@@ -29,7 +29,7 @@ pub(crate) struct RowsAsked {
     pub smoothing: Option<f64>,
 }
 
-impl RowsAsked {
+impl StripsAsked {
     /// Options of the fits at a tolerance (mm) and a number of strips.
     fn fits(&self, tolerance: f64, max_pieces: usize, limits: Option<RegressionLimits>) -> SequenceOptions {
         let plain = SequenceOptions::new(tolerance);
@@ -39,7 +39,7 @@ impl RowsAsked {
 }
 
 /// What is fitted at once: estimates of the same elements, and the face that they come from.
-pub(crate) struct Row {
+pub(crate) struct ElementSequence {
     /// Name.
     pub name: String,
     /// Estimates of the elements, each of all of them.
@@ -52,15 +52,20 @@ pub(crate) struct Row {
 /// needs the rest, where it is farther away.
 const AT_RULINGS: [f64; 4] = [1.0, 0.8, 0.5, 0.25];
 
-/// As [`strips_of_row`] for the row of a face: nearer at its rulings until they are near between them, too.
-pub(crate) fn strips_of_face(row: &mut Row, most: usize, options: &RowsAsked, control: &Control) -> RowStrips {
-    let estimates = row.estimates.clone();
-    let mut best: Option<RowStrips> = None;
+/// As [`strips_of_sequence`] for the sequence of a face: nearer at its rulings until they are near between them, too.
+pub(crate) fn strips_of_face(
+    sequence: &mut ElementSequence,
+    most: usize,
+    options: &StripsAsked,
+    control: &Control,
+) -> SequenceStrips {
+    let estimates = sequence.estimates.clone();
+    let mut best: Option<SequenceStrips> = None;
     for share in AT_RULINGS {
-        row.estimates.clone_from(&estimates);
-        let asked = RowsAsked { tolerance: share * options.tolerance, ..options.clone() };
-        let found = strips_of_row(row, most, &asked, control);
-        let off = row.face.as_ref().map_or(0.0, |f| f.off_between(&found.strips, control));
+        sequence.estimates.clone_from(&estimates);
+        let asked = StripsAsked { tolerance: share * options.tolerance, ..options.clone() };
+        let found = strips_of_sequence(sequence, most, &asked, control);
+        let off = sequence.face.as_ref().map_or(0.0, |f| f.off_between(&found.strips, control));
         let near = off <= options.tolerance;
         // Finer attempts that miss rulings are none.
         if best.is_some() && !(near && found.missed.is_empty()) {
@@ -71,11 +76,11 @@ pub(crate) fn strips_of_face(row: &mut Row, most: usize, options: &RowsAsked, co
             break;
         }
     }
-    best.unwrap_or_else(|| strips_of_row(row, most, options, control))
+    best.unwrap_or_else(|| strips_of_sequence(sequence, most, options, control))
 }
 
-/// Strips of one row.
-pub(crate) struct RowStrips {
+/// Strips of one sequence.
+pub(crate) struct SequenceStrips {
     /// The strips.
     pub strips: Vec<Strip>,
     /// The elements that they were fitted to: one of the estimates.
@@ -88,18 +93,23 @@ pub(crate) struct RowStrips {
     pub is_face: bool,
 }
 
-/// Strips for a row, `most` at most.
-pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, control: &Control) -> RowStrips {
-    let estimates = &row.estimates;
+/// Strips for a sequence, `most` at most.
+pub(crate) fn strips_of_sequence(
+    sequence: &mut ElementSequence,
+    most: usize,
+    options: &StripsAsked,
+    control: &Control,
+) -> SequenceStrips {
+    let estimates = &sequence.estimates;
     let mut own: Vec<Strip> = Vec::new();
-    let given = row.face.as_ref().and_then(|f| f.strip.as_ref());
+    let given = sequence.face.as_ref().and_then(|f| f.strip.as_ref());
     let given = given.filter(|s| most > 0 && regression::keeps(s, options.limits.as_ref()));
     let mut missed = Vec::new();
     let wanted = options.fits(options.tolerance, 1, options.limits.clone());
     let simple = given.is_some_and(is_simplest);
-    // Most rows are followed by one strip over few spans; the search for these is also the fastest.
+    // Most sequences are followed by one strip over few spans; the search for these is also the fastest.
     if let Some(elements) = estimates.first().filter(|_| !simple && most > 0 && options.limits.is_none()) {
-        own.extend(simplest(&row.name, elements, &wanted, control));
+        own.extend(simplest(&sequence.name, elements, &wanted, control));
     }
     let found = match given {
         _ if simple || !own.is_empty() => None,
@@ -129,10 +139,10 @@ pub(crate) fn strips_of_row(row: &mut Row, most: usize, options: &RowsAsked, con
             missed.clear();
         }
     }
-    RowStrips { strips: own, elements: std::mem::take(&mut row.estimates[which]), ranges, missed, is_face }
+    SequenceStrips { strips: own, elements: std::mem::take(&mut sequence.estimates[which]), ranges, missed, is_face }
 }
 
-/// Strips for one row.
+/// Strips for one sequence.
 struct Attempt {
     strips: Vec<Strip>,
     /// The elements that each strip was fitted to.
@@ -146,7 +156,7 @@ struct Attempt {
 
 impl Attempt {
     /// Elements beyond the tolerance and regression curves out of bounds, strips, worst bound: less is better.
-    fn rank(&self, options: &RowsAsked) -> (usize, usize, f64) {
+    fn rank(&self, options: &StripsAsked) -> (usize, usize, f64) {
         let broken = self.strips.iter().filter(|s| !regression::keeps(s, options.limits.as_ref())).count();
         (self.certificate.beyond(options.tolerance) + broken, self.strips.len(), self.certificate.worst_bound().value())
     }
@@ -159,13 +169,13 @@ fn room(elements: &[ContactElement]) -> f64 {
     SHARE * elements.iter().map(length).sum::<f64>() / elements.len().max(1) as f64
 }
 
-/// Strips for a row at one aim and with limits of the regression curve.
+/// Strips for a sequence at one aim and with limits of the regression curve.
 fn attempt(
     elements: &[ContactElement],
     most: usize,
     aim: f64,
     limits: Option<RegressionLimits>,
-    options: &RowsAsked,
+    options: &StripsAsked,
     control: &Control,
 ) -> Attempt {
     let wanted = options.fits(aim * options.tolerance, most, limits);
@@ -191,7 +201,7 @@ fn attempt(
 fn best(
     estimates: &[Vec<ContactElement>],
     most: usize,
-    options: &RowsAsked,
+    options: &StripsAsked,
     control: &Control,
 ) -> Option<(usize, Attempt)> {
     let mut best: Option<(usize, Attempt)> = None;
@@ -223,7 +233,7 @@ fn best(
                 return best;
             }
         }
-        // Finer aims cost strips; they are for the last elements that are not proven yet, not for hopeless rows.
+        // Finer aims cost strips; they are for the last elements that are not proven yet, not for hopeless sequences.
         const HOPELESS: f64 = 5.0;
         let (beyond, worst) = best
             .as_ref()
@@ -245,7 +255,7 @@ fn nearest(
     name: &str,
     piece: &SequencePiece,
     own: &[ContactElement],
-    options: &RowsAsked,
+    options: &StripsAsked,
 ) -> Result<Strip, Option<StripReason>> {
     let mut best: Option<(bool, f64, Strip)> = None;
     let mut reason = None;
@@ -267,10 +277,10 @@ fn nearest(
 }
 
 /// Why no developable follows elements: too far from any, or none keeps to the limits and then how near one comes.
-fn unfollowed(own: &[ContactElement], options: &RowsAsked) -> StripReason {
+fn unfollowed(own: &[ContactElement], options: &StripsAsked) -> StripReason {
     // Tolerances looked at for the reason, in multiples of the one asked for.
     const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
-    let RowsAsked { tolerance, fix_ends: fixed_ends, smoothing, .. } = *options;
+    let StripsAsked { tolerance, fix_ends: fixed_ends, smoothing, .. } = *options;
     let reason = |kept_off| StripReason::NotFollowed { tolerance, fixed_ends, smoothing, kept_off };
     let Some(limits) = &options.limits else { return reason(None) };
     let one = |tolerance: f64, limits: Option<RegressionLimits>| {
