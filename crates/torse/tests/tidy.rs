@@ -635,6 +635,76 @@ fn the_gallery_shows_its_pictures_and_no_others() {
     assert!(sizes.iter().all(|s| *s <= 25_000) && sizes.iter().sum::<u64>() <= 1_500_000, "pictures too large");
 }
 
+/// Names of the constants that code defines, in functions too.
+fn constants(code: &str) -> Vec<String> {
+    let name = |line: &str| {
+        let (before, after) = line.split_once("const ")?;
+        let name = after.split_once(':')?.0;
+        let is_name = name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
+        let is_item = before.is_empty() || before.starts_with("pub") && !before.contains('<');
+        (is_name && is_item).then(|| name.to_owned())
+    };
+    code.lines().map(str::trim).filter_map(name).collect()
+}
+
+/// Constants by file as `docs/tuning.md` has them: rows below the name of a file, and the lists of what has no row.
+fn tuned(page: &str) -> BTreeMap<String, Vec<String>> {
+    let mut found: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut file = None;
+    for line in page.lines() {
+        if line.starts_with('#') {
+            file = None;
+        }
+        if let Some(name) = line.strip_prefix("**").and_then(|l| l.strip_suffix("**")) {
+            file = Some(name.to_owned());
+        }
+        let mut cells = line.split('|').map(str::trim).skip(1);
+        let (Some(first), Some(second)) = (cells.next(), cells.next()) else { continue };
+        if first.ends_with(".rs") {
+            let names =
+                second.trim_end_matches(" (since)").split(", ").map(|n| n.trim_end_matches(" (since)").to_owned());
+            found.entry(first.to_owned()).or_default().extend(names);
+        } else if let Some(file) = file.as_ref().filter(|_| first != "constant" && !first.starts_with('-')) {
+            found.entry(file.clone()).or_default().push(first.trim_end_matches('†').to_owned());
+        }
+    }
+    found
+}
+
+#[test]
+fn the_page_of_constants_has_those_that_there_are() {
+    let src = root().join("crates/torse/src");
+    let mut page = tuned(&fs::read_to_string(root().join("docs/tuning.md")).expect("docs/tuning.md"));
+    let mut faults = Vec::new();
+    for file in ["fit", "search"].iter().flat_map(|floor| sources(&src.join(floor))) {
+        let path = file.strip_prefix(&src).expect("a file of the library").to_string_lossy().replace('\\', "/");
+        if TEST_FILES.iter().any(|part| path.contains(part)) {
+            continue;
+        }
+        let mut there = constants(&without_tests(&fs::read_to_string(&file).expect("readable source")));
+        let mut told = page.remove(&path).unwrap_or_default();
+        there.sort();
+        told.sort();
+        if there != told {
+            let beside = |a: &[String], b: &[String]| a.iter().filter(|n| !b.contains(n)).cloned().collect::<Vec<_>>();
+            let (missing, gone) = (beside(&there, &told), beside(&told, &there));
+            faults.push(format!("{path}: without a row {missing:?}, with one but gone {gone:?}"));
+        }
+    }
+    faults.extend(page.keys().map(|path| format!("{path}: has no constants, or is gone")));
+    assert!(faults.is_empty(), "docs/tuning.md: {}", faults.join("\n"));
+}
+
+#[test]
+fn the_test_of_the_page_of_constants_can_fail() {
+    let code = "const A: f64 = 1.0;\npub(crate) const B_2: [f64; 2] = C;\nconst fn f(x: u8) {}\npub fn g<const N: usize>(x: u8) {}";
+    assert_eq!(constants(code), ["A", "B_2"]);
+    let page = "**fit/a.rs**\n\n| constant | value |\n|---|---|\n| A† | 1 |\n| B_2 | 2 |\n## More\n| C | 3 |\n| fit/b.rs | D, E (since) |";
+    let told: Vec<(String, Vec<String>)> = tuned(page).into_iter().collect();
+    let names = |all: &[&str]| all.iter().map(|n| n.to_string()).collect::<Vec<_>>();
+    assert_eq!(told, [("fit/a.rs".into(), names(&["A", "B_2"])), ("fit/b.rs".into(), names(&["D", "E"]))]);
+}
+
 #[test]
 fn the_test_itself_can_fail() {
     assert!(!floor_faults("fit::planes", "use crate::certify::Verdict;").is_empty());
