@@ -1,5 +1,6 @@
 //! A tree of boxes about triangles, for nearest points; a point is a triangle with one corner.
 
+use super::segment::share;
 use super::{BBox, Vec3};
 
 /// Triangles in a leaf at most.
@@ -36,10 +37,8 @@ pub(crate) fn nearest_on_triangle(x: &Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
     let corners = [a, b, c];
     let mut best = ([1.0, 0.0, 0.0], f64::INFINITY);
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-        let d = corners[j] - corners[i];
-        let dd = d.norm_squared();
-        let t = if dd > 0.0 { (d.dot(&(x - corners[i])) / dd).clamp(0.0, 1.0) } else { 0.0 };
-        let far = (corners[i] + d * t - x).norm_squared();
+        let t = share(&corners[i], &corners[j], x);
+        let far = (corners[i] + (corners[j] - corners[i]) * t - x).norm_squared();
         if far < best.1 {
             let mut at = [0.0; 3];
             at[i] = 1.0 - t;

@@ -1,6 +1,7 @@
 //! Segments of space and of the plane.
 
 use super::{Vec2, Vec3};
+use nalgebra::SVector;
 
 /// Share of the product of both squared lengths below which the determinant of two directions is rounding: they are
 /// parallel.
@@ -17,11 +18,20 @@ pub(crate) fn segment_distance([a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]) -> f64 {
     (w + u * s - v * t).norm()
 }
 
-/// Nearest point of a segment of the plane; its first end where it is a point.
-pub(crate) fn foot(p: &Vec2, q: &Vec2, x: &Vec2) -> Vec2 {
+/// Nearest point of the segment from `p` to `q`; its first end where it is a point.
+pub(crate) fn foot<const D: usize>(p: &SVector<f64, D>, q: &SVector<f64, D>, x: &SVector<f64, D>) -> SVector<f64, D> {
+    p + (q - p) * share(p, q, x)
+}
+
+/// Share of the way from `p` to `q` at which the segment is nearest to `x`; 0 where it is a point.
+pub(crate) fn share<const D: usize>(p: &SVector<f64, D>, q: &SVector<f64, D>, x: &SVector<f64, D>) -> f64 {
     let d = q - p;
     let s = d.dot(&(x - p)) / d.norm_squared();
-    p + d * if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
+    if s.is_finite() {
+        s.clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }
 
 /// Whether two segments of the plane have the same ends within `near`, in either direction; `Some(true)` where they run against
@@ -43,5 +53,14 @@ mod tests {
         assert_eq!(segment_distance(along, [&p(0.0, 3.0, 0.0), &p(4.0, 3.0, 0.0)]), 3.0);
         assert_eq!(segment_distance(along, [&p(4.0, 4.0, 0.0), &p(4.0, 4.0, 0.0)]), 5.0);
         assert_eq!(segment_distance([along[0], along[0]], along), 0.0);
+    }
+
+    #[test]
+    fn the_nearest_point_stays_on_the_segment_and_on_a_point() {
+        let (p, q) = (Vec2::new(1.0, 1.0), Vec2::new(5.0, 1.0));
+        assert_eq!(share(&p, &q, &Vec2::new(2.0, 7.0)), 0.25);
+        assert_eq!(foot(&p, &q, &Vec2::new(2.0, 7.0)), Vec2::new(2.0, 1.0));
+        assert_eq!([-3.0, 9.0].map(|x| share(&p, &q, &Vec2::new(x, 0.0))), [0.0, 1.0]);
+        assert_eq!(foot(&p, &p, &q), p);
     }
 }

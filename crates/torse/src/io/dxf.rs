@@ -11,6 +11,7 @@
 use std::fmt::{Display, Write as _};
 use std::io;
 
+use super::stretches::flush;
 use crate::draw::drawing::{Drawing, DrawnPattern, Lettering, LETTER_DECIMALS};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
@@ -96,7 +97,7 @@ pub(crate) fn write_to(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result
     // The header comes first but names the first handle that is still free.
     let mut head = Pairs { next: body.next + entities(drawing) as u32, unit: drawing.unit, ..Pairs::default() };
     header(&mut head, drawing);
-    head.flush(out)?;
+    flush(&mut head.text, head.finite, out)?;
     body.section("ENTITIES");
     for piece in &drawing.pieces {
         let on = |layer| if piece.marked { NOT_CERTIFIED } else { layer };
@@ -128,7 +129,7 @@ pub(crate) fn write_to(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result
         for stroke in piece.strokes() {
             body.stroke(on(TEXT), &stroke);
         }
-        body.flush(out)?;
+        flush(&mut body.text, body.finite, out)?;
     }
     if let Some(square) = &drawing.test_square {
         body.polyline(SCALE, true, square.corners.iter().map(|p| (*p, 0.0)));
@@ -139,7 +140,7 @@ pub(crate) fn write_to(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result
     body.pair(0, "ENDSEC");
     objects(&mut body);
     body.pair(0, "EOF");
-    body.flush(out)
+    flush(&mut body.text, body.finite, out)
 }
 
 /// Entities of a drawing.
@@ -169,16 +170,6 @@ impl Default for Pairs {
 }
 
 impl Pairs {
-    /// Hands over what there is so far.
-    fn flush(&mut self, out: &mut dyn io::Write) -> io::Result<()> {
-        if !self.finite {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
-        }
-        out.write_all(self.text.as_bytes())?;
-        self.text.clear();
-        Ok(())
-    }
-
     fn pair(&mut self, code: u32, value: impl Display) {
         // Writing to a string cannot fail.
         _ = write!(self.text, "{code:3}\n{value}\n");

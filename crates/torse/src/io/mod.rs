@@ -30,6 +30,7 @@ pub mod rulings;
 pub mod shape;
 pub(crate) mod shop_tables;
 pub mod step;
+mod stretches;
 pub(crate) mod svg;
 pub mod sweep;
 mod table;

@@ -8,6 +8,7 @@
 use std::fmt::Write as _;
 use std::io;
 
+use super::stretches::flush;
 use crate::draw::drawing::{Drawing, DrawnPattern, Lettering, LETTER_DECIMALS};
 use crate::draw::scene::titled;
 use crate::geom::unit::LengthUnit;
@@ -63,7 +64,7 @@ pub(crate) fn write(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result<()
     );
     for (i, piece) in drawing.pieces.iter().enumerate() {
         document.piece(i, piece);
-        document.flush(out)?;
+        flush(&mut document.text, document.finite, out)?;
     }
     if let Some(square) = &drawing.test_square {
         _ = writeln!(
@@ -79,7 +80,7 @@ pub(crate) fn write(drawing: &Drawing, out: &mut dyn io::Write) -> io::Result<()
         document.text.push_str("</g>\n");
     }
     document.text.push_str("</svg>\n");
-    document.flush(out)
+    flush(&mut document.text, document.finite, out)
 }
 
 /// The document while it grows, and where its upper left corner lies in the drawing, whose y-axis points up.
@@ -93,16 +94,6 @@ struct Document {
 }
 
 impl Document {
-    /// Hands over what there is so far.
-    fn flush(&mut self, out: &mut dyn io::Write) -> io::Result<()> {
-        if !self.finite {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
-        }
-        out.write_all(self.text.as_bytes())?;
-        self.text.clear();
-        Ok(())
-    }
-
     /// A length (mm) in the unit of the drawing, to a nanometre or finer.
     fn number(&mut self, x: f64) -> String {
         self.rounded(x, LENGTHS)

@@ -3,6 +3,7 @@
 use super::contact::{on, wrap, OnRail};
 use crate::control::Control;
 use crate::geom::convex_hull::convex_hull;
+use crate::geom::segment::share;
 use crate::geom::Vec3;
 use crate::spline::SplineError;
 use crate::torse::rail::Rail;
@@ -152,9 +153,7 @@ impl<'a> Sampled<'a> {
             let (a, b) = (&self.at[i], &self.at[self.next[i][0]]);
             let step = if b.parameter > a.parameter { b.parameter - a.parameter } else { self.step[a.rail] };
             let x = on(self.rails, a.rail, wrap(&self.rails[a.rail], a.parameter + 0.5 * step)).point;
-            let way = b.point - a.point;
-            let along = ((x - a.point).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (x - a.point - way * along).norm()
+            (x - a.point - (b.point - a.point) * share(&a.point, &b.point, &x)).norm()
         };
         let curved = |i: &usize| {
             let next = self.next[*i][0];

@@ -7,6 +7,7 @@
 //! *Not guaranteed*: that what a curve does between two places is seen.
 
 use super::artwork::{ArtworkMap, Off, PlacedShape, Side};
+use crate::geom::segment::foot;
 use crate::geom::Vec3;
 use crate::num::parallel;
 use crate::spline::curve::Curve;
@@ -242,10 +243,7 @@ fn needed(seen: &[Seen], off: f64) -> Vec<Vec3> {
 
 /// Distance of a point from a segment.
 fn beside(x: &Vec3, [a, b]: [&Vec3; 2]) -> f64 {
-    let way = b - a;
-    let share = (x - a).dot(&way) / way.norm_squared();
-    let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-    (a + way * share - x).norm()
+    (foot(a, b, x) - x).norm()
 }
 
 /// The point of curves that follow each other at the number of one and the share of its domain.

@@ -6,6 +6,7 @@ use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::nearness::{distance_from, Target};
 use crate::control::Control;
 use crate::design::composite::Session;
+use crate::geom::segment::share;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
 use crate::torse::strip::Strip;
@@ -55,10 +56,7 @@ fn apart(a: &Curve<3>, b: &Curve<3>) -> f64 {
 
 /// Distance of a place from a chord.
 fn to_chord(p: &Vec3, chord: &[Vec3]) -> f64 {
-    let d = chord[1] - chord[0];
-    let size = d.norm_squared();
-    let share = if size > 0.0 { ((p - chord[0]).dot(&d) / size).clamp(0.0, 1.0) } else { 0.0 };
-    (p - chord[0] - d * share).norm()
+    (p - chord[0] - (chord[1] - chord[0]) * share(&chord[0], &chord[1], p)).norm()
 }
 
 #[cfg(test)]

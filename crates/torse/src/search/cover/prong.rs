@@ -3,6 +3,7 @@
 
 use super::job::Job;
 use super::state::State;
+use crate::geom::segment::share;
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
 use std::sync::Arc;
@@ -72,9 +73,7 @@ impl Prong {
 
 /// Squared distance of a point from a segment.
 fn squared_distance(x: &Vec3, [a, b]: &[Vec3; 2]) -> f64 {
-    let along = b - a;
-    let share = ((x - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (x - a - along * share).norm_squared()
+    (x - a - (b - a) * share(a, b, x)).norm_squared()
 }
 
 impl State {

@@ -2,7 +2,7 @@
 
 use crate::brep::face::Face;
 use crate::develop::unfold::region::Region;
-use crate::geom::segment::segment_distance;
+use crate::geom::segment::{foot, segment_distance};
 use crate::geom::{Vec2, Vec3};
 use crate::spline::surface::Surface;
 
@@ -49,9 +49,7 @@ impl SeamLine {
     pub fn height(&self, x: &Vec3) -> f64 {
         let mut best = (f64::INFINITY, 0.0);
         for (w, side) in self.points.windows(2).zip(&self.sides) {
-            let d = w[1] - w[0];
-            let s = if d.norm_squared() > 0.0 { ((x - w[0]).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
-            let off = x - (w[0] + d * s);
+            let off = x - foot(&w[0], &w[1], x);
             if off.norm_squared() < best.0 {
                 best = (off.norm_squared(), off.dot(side));
             }

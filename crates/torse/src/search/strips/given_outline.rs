@@ -6,6 +6,7 @@ use crate::control::Control;
 use crate::develop::scanned::{needed, sharp, CarriedLoop, ScanOutline, Shown};
 use crate::develop::smooth_ends::through;
 use crate::geom::polygon::area;
+use crate::geom::segment;
 use crate::geom::{Vec2, Vec3};
 use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
@@ -176,12 +177,7 @@ fn ends_there(shown: &Shown, polygon: &[Vec2], off: f64) -> bool {
         .chain((1..=LOOKS).rev().map(|k| (0.0, share(k))))
         .map(|(u, v)| at(u, v))
         .collect();
-    let near = |x: &Vec2, l: &[Vec2]| {
-        (0..l.len()).any(|k| {
-            let (p, d) = (l[k], l[(k + 1) % l.len()] - l[k]);
-            let s = if d.norm_squared() > 0.0 { ((x - p).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
-            (p + d * s - x).norm() <= off
-        })
-    };
+    let near =
+        |x: &Vec2, l: &[Vec2]| (0..l.len()).any(|k| (segment::foot(&l[k], &l[(k + 1) % l.len()], x) - x).norm() <= off);
     border.iter().all(|x| near(x, polygon)) && polygon.iter().all(|x| near(x, &border))
 }

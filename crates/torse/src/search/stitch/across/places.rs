@@ -2,6 +2,7 @@
 
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::{Borders, TrimChain};
+use crate::geom::segment::share;
 use crate::geom::{BBox, Vec3};
 use crate::num::parallel;
 use crate::patchwork::partition::Partition;
@@ -124,9 +125,9 @@ fn nearest(points: &[Vec3], x: &Vec3) -> (f64, usize, f64) {
     let k = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
     let mut best = (f64::INFINITY, 0, 0.0);
     for i in k.saturating_sub(1)..=k.min(points.len() - 2) {
-        let d = points[i + 1] - points[i];
-        let share = ((x - points[i]).dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let far = (points[i] + d * share - x).norm();
+        let (p, q) = (&points[i], &points[i + 1]);
+        let share = share(p, q, x);
+        let far = (p + (q - p) * share - x).norm();
         if far < best.0 {
             best = (far, i, share);
         }
