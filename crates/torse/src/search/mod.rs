@@ -4,6 +4,7 @@
 //! torses, [`build`] makes panels of them, `sheet` and `slivers` keep to what a shop can cut, `stitch` lets
 //! neighbouring panels meet; [`strips`] finds the strips of the other jobs.
 
+pub(crate) mod all_met;
 pub(crate) mod apex;
 pub mod build;
 pub mod cover;
@@ -11,7 +12,6 @@ pub(crate) mod creased;
 pub(crate) mod face;
 pub(crate) mod joint;
 mod laid;
-pub(crate) mod meeting;
 pub(crate) mod refolded;
 pub mod ruled;
 mod sheet;

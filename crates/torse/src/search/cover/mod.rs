@@ -198,8 +198,8 @@ impl<'a> Job<'a> {
             return Some(state);
         }
         let before = state.panels.len();
-        let trial = self.single(&state, label, None);
-        if let Some(fit) = trial.accepted {
+        let attempt = self.single(&state, label, None);
+        if let Some(fit) = attempt.accepted {
             let mut state = state;
             state.panels.insert(label, fit);
             return Some(state);
@@ -212,7 +212,7 @@ impl<'a> Job<'a> {
         }
         let free = matches!(self.directions, DirectionField::Free);
         let fewest = free && self.options.layout.kind == LayoutKind::Auto;
-        if fewest && budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {
+        if fewest && budget >= 2 && attempt.error < TWO_FACTOR * self.options.tolerance {
             if let Some(next) = self.two(&state, label) {
                 return Some(next);
             }
