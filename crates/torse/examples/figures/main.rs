@@ -8,6 +8,7 @@ mod discrete;
 mod dual;
 mod inputs;
 mod loft;
+mod map;
 mod nets;
 mod ruled;
 mod stripes;
@@ -27,6 +28,7 @@ const FIGURES: &[(&str, Draw)] = &[
     ("dual", dual::draw),
     ("inputs", inputs::draw),
     ("loft", loft::draw),
+    ("map", map::draw),
     ("nets", nets::draw),
     ("ruled", ruled::draw),
 ];
