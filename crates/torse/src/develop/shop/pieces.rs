@@ -1,5 +1,6 @@
 //! Pieces of one section on several faces, joined to lines where the faces meet.
 
+use crate::geom::polygon::distance;
 use crate::geom::{Vec2, Vec3};
 
 /// A piece of a section on one face.
@@ -30,7 +31,7 @@ type End = (usize, usize);
 /// Pieces joined at their ends to lines, each end with the nearest that fits. Pieces that are drawn twice, as where a plane runs along a
 /// common edge, are one.
 pub(super) fn joined(pieces: Vec<Piece>, near: Near) -> Vec<Vec<Vec2>> {
-    let pieces = once(pieces, near.same);
+    let pieces = once(pieces, near.edge);
     let place = |(k, e): End| pieces[k].points[e * (pieces[k].points.len() - 1)];
     let mut pairs: Vec<(f64, End, End)> = Vec::new();
     let ends: Vec<End> = (0..pieces.len()).flat_map(|k| [(k, 0), (k, 1)]).collect();
@@ -77,15 +78,16 @@ pub(super) fn joined(pieces: Vec<Piece>, near: Near) -> Vec<Vec<Vec2>> {
     out
 }
 
-/// Pieces without those that lie on another one.
-fn once(pieces: Vec<Piece>, same: f64) -> Vec<Piece> {
+/// Pieces without those that lie on one of another face, from end to end within `edge` (mm); the longest come first.
+fn once(mut pieces: Vec<Piece>, edge: f64) -> Vec<Piece> {
+    let length = |p: &Piece| p.points.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>();
+    pieces.sort_by(|a, b| length(b).total_cmp(&length(a)));
     let mut out: Vec<Piece> = Vec::new();
     for piece in pieces {
-        let [a, b] = [&piece.points[0], &piece.points[piece.points.len() - 1]];
         let is_again = |o: &Piece| {
-            let [p, q] = [&o.points[0], &o.points[o.points.len() - 1]];
-            let along = ((a - p).norm().max((b - q).norm())).min((a - q).norm().max((b - p).norm()));
-            along <= same && piece.points.len() == 2 && o.points.len() == 2
+            let sides: Vec<Vec<Vec2>> = o.points.windows(2).map(<[Vec2]>::to_vec).collect();
+            let middles = piece.points.windows(2).map(|w| (w[0] + w[1]) * 0.5);
+            o.panel != piece.panel && middles.chain(piece.points.iter().copied()).all(|q| distance(&sides, &q) <= edge)
         };
         if !out.iter().any(is_again) {
             out.push(piece);
@@ -172,9 +174,14 @@ mod tests {
     #[test]
     fn a_piece_that_both_faces_of_an_edge_have_is_drawn_once() {
         let lines = joined(
-            vec![piece(0, &[[0.0, 0.0], [4.0, 0.0]], [0.0, 4.0]), piece(1, &[[4.0, 0.0], [0.0, 0.0]], [4.0, 0.0])],
+            vec![
+                piece(0, &[[0.0, 0.0], [4.0, 0.0]], [0.0, 4.0]),
+                piece(1, &[[4.0, 0.0], [2.0, 0.0], [0.0, 0.004]], [4.0, 0.0]),
+            ],
             NEAR,
         );
-        assert_eq!(lines, [vec![Vec2::zeros(), Vec2::new(4.0, 0.0)]]);
+        assert_eq!(lines.len(), 1, "{lines:?}");
+        let way: f64 = lines[0].windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+        assert!((way - 4.0).abs() < NEAR.edge, "{lines:?}");
     }
 }

@@ -54,11 +54,7 @@ pub(super) fn words(note: &ShopNote) -> String {
              inwards are in facets.csv.",
             length(*displacement_estimate)
         ),
-        ShopNote::KinkedFibre { parts } => format!(
-            "How far kinked parts come to lie from the curved ones is not known of {}: the neutral fibre that is drawn is not at one \
-             distance from their faces, as their radii and with them K change; kinks, angles and a sequence are in facets.csv.",
-            named(parts)
-        ),
+        ShopNote::KinkedFibre { parts } => kinked_fibre(parts),
         ShopNote::Offsets { edge_error } => format!(
             "inside.step, neutral.step and outside.step hold the sides of the sheet and its neutral surface, the panels at a constant \
              distance each; edges are within {} of it (measured, not proven).",
@@ -90,6 +86,14 @@ pub(super) fn words(note: &ShopNote) -> String {
             named(parts)
         ),
     }
+}
+
+fn kinked_fibre(parts: &[String]) -> String {
+    format!(
+        "How far kinked parts come to lie from the curved ones is not known of {}: the neutral fibre that is drawn is not at one \
+         distance from their faces, as their radii and with them K change; kinks, angles and a sequence are in facets.csv.",
+        named(parts)
+    )
 }
 
 fn material(m: &Material) -> String {
