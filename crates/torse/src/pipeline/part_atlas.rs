@@ -54,6 +54,7 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
         extents: part.extents.iter().map(settled).collect(),
         inset,
         thickness: thickness(part),
+        local: part.record.neutral.as_ref().map_or_else(Vec::new, |n| n.thickness.clone()),
         fibre,
         printed: part.printed,
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),

@@ -27,6 +27,7 @@ use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
 use crate::develop::unfold::part::FlatPart;
+use crate::develop::unfold::sheet::is_thickness;
 use crate::develop::unfold::tree::CutReason;
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
@@ -150,6 +151,15 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     Ok(answer)
 }
 
+/// Where a part of sheet is of another thickness, if it is anywhere.
+fn thinned(p: &FlatPart) -> Option<UnrollNote> {
+    let (thickness, all) = (p.sheet.thickness, &p.sheet.local);
+    let other: Vec<f64> = all.iter().copied().filter(|t| !is_thickness(*t, thickness)).collect();
+    let local = other.iter().copied().max_by(|a, b| (a - thickness).abs().total_cmp(&(b - thickness).abs()))?;
+    let part = p.pattern.name.clone();
+    (thickness > 0.0).then_some(UnrollNote::Thinned { part, faces: other.len(), of: all.len(), local, thickness })
+}
+
 /// What people should know of the parts.
 fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<UnrollNote> {
     let mut out = Vec::new();
@@ -162,6 +172,7 @@ fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<UnrollNote> {
             let (thickness, bends) = (p.sheet.thickness, p.sheet.bends.len());
             out.push(UnrollNote::Sheet { part: part(), thickness, bends });
         }
+        out.extend(thinned(p));
         let (asked, own): (Vec<_>, Vec<_>) = p.cuts.iter().partition(|c| c.1 == CutReason::Asked);
         out.extend(own.into_iter().map(|&(edge, reason)| UnrollNote::Cut { part: part(), edge, reason }));
         if !asked.is_empty() {

@@ -17,6 +17,19 @@ pub enum UnrollNote {
         /// Number of bends.
         bends: usize,
     },
+    /// Faces of a part of sheet where this is of another thickness.
+    Thinned {
+        /// Name of the part.
+        part: String,
+        /// Their number.
+        faces: usize,
+        /// The number of all its faces.
+        of: usize,
+        /// The thickness (mm) of theirs that differs most.
+        local: f64,
+        /// Thickness of the sheet, mm.
+        thickness: f64,
+    },
     /// A part is cut along an edge of the file.
     Cut {
         /// Name of the part.

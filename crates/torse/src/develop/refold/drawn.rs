@@ -54,6 +54,8 @@ pub struct FlatPart {
     pub fibre: Option<Fibre>,
     /// Thickness (mm) of a sheet whose neutral fibre was unfolded; 0 for others and where nothing is said.
     pub thickness: f64,
+    /// The same at each of its panels, in no order: tabs and edges may be thinner than the sheet; empty where nothing is said.
+    pub local: Vec<f64>,
     /// The last digit of lengths in the bend table, mm.
     pub printed: f64,
     /// Distance of the polygons from the lines and arcs of the file, mm.

@@ -341,6 +341,29 @@ mod tests {
         }
     }
 
+    /// A tab that is thinner than its sheet bends about its own skin.
+    #[test]
+    fn a_bend_of_a_thinner_tab_has_the_skin_of_that() {
+        let (angle, radius, t, k) = (0.8, 1.0, 0.5, 0.44);
+        let (flat, breadth) = bracket(BendSense::Down, angle, radius, t, k);
+        // The table is printed to four digits.
+        let printed = (flat.bends[0].allowance * 1e4).round() * 1e-4;
+        let mut flat = FlatPart { thickness: 1.0, local: vec![1.0, 0.5, 0.0], ..flat };
+        flat.bends[0].allowance = printed;
+        let place = |flat: &FlatPart| {
+            let back = refold(flat).expect("a part");
+            let at = |x: f64| back.frame(&back.locate(&Vec2::new(x, 10.0)).expect("a place")).0;
+            (at(100.0 + breadth) - at(0.0)).norm()
+        };
+        // From the corner of both flanges' skins: each is longer by the tangent of its half of the bend.
+        let set = (radius + t) * (0.5 * angle).tan();
+        let (a, b) = (40.0 + set, 60.0 + set);
+        let wanted = (a * a + b * b + 2.0 * a * b * angle.cos()).sqrt();
+        assert!((place(&flat) - wanted).abs() < 2e-4, "{} {wanted}", place(&flat));
+        flat.local.clear();
+        assert!((place(&flat) - wanted).abs() > 0.1, "without it, the skin of the sheet");
+    }
+
     #[test]
     fn bends_that_leave_something_loose_or_name_no_line_are_refused() {
         let (mut flat, _) = bracket(BendSense::Up, 1.0, 3.0, 2.0, 0.4);

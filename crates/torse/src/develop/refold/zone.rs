@@ -43,13 +43,26 @@ pub(super) struct Zone {
 
 /// Thickness of the sheet (mm) by the allowances of its bends; 0 where the neutral fibre is the skin itself.
 pub fn thickness(bends: &[SheetRow]) -> f64 {
-    let of = |b: &SheetRow| match b.allowance < 0.0 {
+    // The largest allowance has the smallest relative rounding.
+    let known = bends.iter().filter_map(|b| Some((b.angle * b.k, by_allowance(b)?)));
+    known.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |b| b.1.max(0.0))
+}
+
+/// Thickness (mm) of the sheet at a bend by its allowance, as exactly as that is printed.
+fn by_allowance(b: &SheetRow) -> Option<f64> {
+    let found = match b.allowance < 0.0 {
         true => b.allowance / (b.k * b.angle - 2.0 * (0.5 * b.angle).tan()),
         false => (b.allowance / b.angle - b.inside_radius) / b.k,
     };
-    // The largest allowance has the smallest relative rounding.
-    let known = bends.iter().filter(|b| b.k > 0.0 && b.angle > 0.0 && of(b).is_finite());
-    known.max_by(|a, b| (a.angle * a.k).total_cmp(&(b.angle * b.k))).map_or(0.0, |b| of(b).max(0.0))
+    (b.k > 0.0 && b.angle > 0.0 && found.is_finite()).then_some(found)
+}
+
+/// Thickness (mm) of the sheet at a bend: of those that the part has somewhere, the one that its allowance tells of; else that of the
+/// part.
+fn at_bend(part: &FlatPart, row: &SheetRow, thickness: f64) -> f64 {
+    let Some(told) = by_allowance(row).filter(|_| row.allowance > 0.0) else { return thickness };
+    let known = part.local.iter().copied().filter(|t| *t > 0.0);
+    known.min_by(|a, b| (a - told).abs().total_cmp(&(b - told).abs())).unwrap_or(thickness)
 }
 
 /// The centre lines of a bend, each in parts where holes lie between.
@@ -110,6 +123,7 @@ pub(super) fn round(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<O
     }
     let breadth = if row.allowance.is_finite() { row.allowance.max(0.0) / n as f64 } else { 0.0 };
     let beyond = 0.5 * (-row.allowance).max(0.0);
+    let thickness = at_bend(part, row, thickness);
     // The surface that panels show may lie below the outer side.
     let above = part.fibre.as_ref().map_or(0.0, |f| f.above);
     let skin = row.inside_radius + if sign < 0.0 { thickness - above } else { above };

@@ -46,7 +46,13 @@ const DEEPEST: usize = 12;
 const LOOKS: [f64; 3] = [0.3, 0.5, 0.7];
 
 /// The region of a face of a piece; `thickness` as of [`FaceRegion`].
-pub(super) fn region(body: &Body, piece: &UnfoldedPiece, placed: &Placed, thickness: f64, tolerance: f64) -> FaceRegion {
+pub(super) fn region(
+    body: &Body,
+    piece: &UnfoldedPiece,
+    placed: &Placed,
+    thickness: f64,
+    tolerance: f64,
+) -> FaceRegion {
     let mut loops: Vec<Vec<Vec2>> = Vec::new();
     let mut border: Vec<Vec3> = Vec::new();
     for h in body.of_face(placed.face) {

@@ -65,6 +65,11 @@ const TORN: &str =
                     the thickness, or have no common axis, breaks the sheet";
 /// Distances that differ by less than this share of themselves are one thickness.
 const SAME_THICKNESS: f64 = 1e-3;
+
+/// Whether a distance (mm) between skins is the thickness of a sheet.
+pub(crate) fn is_thickness(distance: f64, thickness: f64) -> bool {
+    (distance - thickness).abs() <= SAME_THICKNESS * thickness
+}
 /// Directions that differ by less (rad) are parallel.
 const PARALLEL: f64 = 1e-5;
 /// Offsets of general faces must look back at the face within this angle, rad.
@@ -109,7 +114,7 @@ pub fn sheet(body: &Body) -> Result<BodySheet, SheetError> {
         let shares = found.iter().take(2).map(|d| [d[0], 100.0 * d[1] / whole]).collect();
         SheetError::NoThickness(shares)
     };
-    let near = |d: f64| (d - thickness).abs() <= SAME_THICKNESS * thickness;
+    let near = |d: f64| is_thickness(d, thickness);
     let partners: Vec<Partners> = opposite.iter().map(|o| Partners::of(o, thickness)).collect();
     let paired = (0..count).filter(|k| near(partners[*k].distance));
     // Of faces that are alike the first, so that copies of a body are drawn alike.

@@ -306,6 +306,11 @@ mod tests {
     #[test]
     fn one_bend_is_one_and_edges_without_numbers_have_none() {
         let sheet = |bends| note(&Note::Unroll(UnrollNote::Sheet { part: "A".into(), thickness: 2.0, bends }));
+        let thinned = UnrollNote::Thinned { part: "A".into(), faces: 4, of: 19, local: 0.5, thickness: 1.0 };
+        assert_eq!(
+            note(&Note::Unroll(thinned)),
+            "A: the sheet is not 1 mm thick at 4 of its 19 faces, but 0.5 mm, where it differs most: it must be formed or milled there."
+        );
         assert_eq!((sheet(1), sheet(3)), ("A: sheet of 2 mm, 1 bend.".into(), "A: sheet of 2 mm, 3 bends.".into()));
         let cut = |edge| {
             let reason = CutReason::Closes;

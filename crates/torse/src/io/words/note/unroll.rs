@@ -1,9 +1,18 @@
 //! Sentences on flat parts.
 
+use super::super::counted;
 use super::super::numbers::length;
 use crate::answer::note::{OffFaces, UnrollNote};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::tree::CutReason;
+
+/// So many of all faces of a part of sheet have one thickness instead of the other.
+fn thinned(part: &str, [faces, of]: [usize; 2], [local, thickness]: [String; 2]) -> String {
+    format!(
+        "{part}: the sheet is not {thickness} thick at {faces} of its {of} faces, but {local}, where it differs most: it must be \
+         formed or milled there."
+    )
+}
 
 /// Edges or parts named in one sentence at most.
 const NAMED: usize = 20;
@@ -12,8 +21,10 @@ pub(super) fn words(note: &UnrollNote) -> String {
     match note {
         UnrollNote::NeutralFibre(k) => format!("Bent zones have the length of the neutral fibre: {}.", factor(k)),
         UnrollNote::Sheet { part, thickness, bends } => {
-            let bends = if *bends == 1 { "1 bend".into() } else { format!("{bends} bends") };
-            format!("{part}: sheet of {}, {bends}.", length(*thickness))
+            format!("{part}: sheet of {}, {}.", length(*thickness), counted(*bends, "bend"))
+        }
+        UnrollNote::Thinned { part, faces, of, local, thickness } => {
+            thinned(part, [*faces, *of], [*local, *thickness].map(length))
         }
         UnrollNote::Cut { part, edge, reason } => {
             let why = match reason {
