@@ -1,6 +1,6 @@
 //! Parts of surfaces without thickness bent back, and what is proven of them.
 
-use super::{refold, RefoldReport};
+use super::refold;
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::develop::shop::thickness::{Sheet, SheetSide};
@@ -8,6 +8,7 @@ use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::specimens::{quarter, rectangle, rolled_cone, round_surface, BentSheet, Stretch};
 use crate::geom::Vec3;
 use crate::io::model::Model;
+use crate::io::refold_report::RefoldReport;
 use crate::pipeline::deliver::files;
 use crate::pipeline::map_artwork::{read_map, Side};
 use crate::pipeline::unroll::{unroll, UnrollOptions};
