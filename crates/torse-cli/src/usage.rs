@@ -25,6 +25,14 @@ pub fn refusal(error: clap::Error) -> Failure {
     };
     let argument = told(ContextKind::InvalidArg);
     let help = match kind {
+        ErrorKind::MissingRequiredArgument if argument.starts_with("--thickness") => {
+            let given = ["--side", "--offsets"].iter().filter(|o| std::env::args().any(|a| a.starts_with(*o)));
+            let given: Vec<&str> = given.copied().collect();
+            format!(
+                "give the thickness of the sheet too, for example --thickness 2mm: {} asks for it",
+                given.join(" and ")
+            )
+        }
         // Only options that others need have names without being needed always.
         ErrorKind::MissingRequiredArgument if needed_by_others(&argument) => {
             format!("give {argument} too: another option that was given needs it; {}", general())
