@@ -10,11 +10,14 @@ use crate::geom::Vec3;
 use crate::io::step::write::{self as step, Header, Shell};
 use crate::io::{cad, iges, threedm};
 use crate::patchwork::panel::Patchwork;
+use crate::pipeline::deliver;
+use crate::pipeline::refold::refold;
 use crate::pipeline::unroll::{unroll, UnrollOptions};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
+use std::collections::HashMap;
 
 /// A surface of rulings between two Bézier curves.
 fn ruled(rails: [Vec<Vec3>; 2], weights: Option<&[f64]>) -> Surface {
@@ -107,7 +110,16 @@ fn files(surface: &Surface) -> Vec<Written> {
                         text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)").into_bytes(),
                     ));
                 }
-                _ => {}
+                _ => {
+                    let mm = "(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.))";
+                    let inch = format!(
+                        "(CONVERSION_BASED_UNIT('INCH',#900001) LENGTH_UNIT() NAMED_UNIT(#900003));\n\
+                         #900001=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#900002);\n#900002={mm};\n\
+                         #900003=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.)"
+                    );
+                    assert_eq!(text.matches(mm).count(), 1);
+                    out.push((format!("STEP {unit} {hand}"), text.replace(mm, &inch).into_bytes()));
+                }
             }
         }
     }
@@ -154,6 +166,26 @@ fn the_least_twist_is_seen_and_told_as_it_is() {
             assert!(last.get(k).is_none_or(|l| twist > l));
         }
         last = twists;
+    }
+}
+
+/// What was laid flat bends back into what it was laid flat from, whatever it lies on. Of a plane whose parameters are uneven along
+/// straight lines of its drawing less is proven than holds.
+#[test]
+fn every_developable_comes_back_from_its_files() {
+    for (kind, surface) in specimens().into_iter().filter(|s| s.0 != "helicoid") {
+        let model = super::model_of(vec![Face::untrimmed(surface)]);
+        let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.01) };
+        let mut answer = unroll(&model, &options, &Control::default()).expect("an answer");
+        let files: HashMap<String, Vec<u8>> =
+            deliver::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+        let back = refold(&|name| files.get(name).cloned(), None, &Control::default()).expect("an answer");
+        let part = &back.report().parts[0];
+        assert!(part.distance_estimate < 1e-3, "{kind}: {part:?}");
+        match kind {
+            "plane" => assert!(part.distance_bound.is_some_and(|b| b < 0.025), "{part:?}"),
+            _ => assert_eq!(back.status(), Status::Certified, "{kind}: {part:?}"),
+        }
     }
 }
 
