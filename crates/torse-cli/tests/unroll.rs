@@ -193,7 +193,7 @@ fn options_that_contradict_are_refused_by_name() {
         (&["--approximate", "1mm"], "--surfaces", "another option that was given needs it"),
         (&["--approximate", "0mm", "--surfaces"], "--approximate", "greater than zero"),
         (&["--split", "0"], "--split", "1.."),
-        (&["--side", "inside"], "--thickness", "another option that was given needs it"),
+        (&["--side", "inside"], "--thickness", "--side asks for it"),
         (&["--side", "top", "--thickness", "2mm"], "--side", "outside"),
         (&["--material", "adamantium"], "adamantium", "--materials"),
         (&["--material", "x", "--materials", "none.csv"], "--materials", "check the name"),

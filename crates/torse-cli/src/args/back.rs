@@ -28,7 +28,8 @@ pub struct Refold {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
-    /// Distance within which every part is to lie from its panels; default: the tolerance of the result
+    /// Distance within which every part is to lie from its panels; default: twice the tolerance of the result, as
+    /// outlines may be drawn off by one and what lies between bend lines by another
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Option<Length>,
 

@@ -46,7 +46,7 @@ pub struct Shop {
     /// Kink curved parts on a press brake: so many kinks over a part (12), arcs that rise no higher over the facets
     /// (chord=0.5mm), a kink for every turn (angle=5deg) or for every length (length=100mm). They take the place of the
     /// bend lines
-    #[arg(long, help_heading = SHEET, value_name = "HOW", value_parser = facets, allow_hyphen_values = true, conflicts_with = "bend_step")]
+    #[arg(long, help_heading = SHEET, value_name = "HOW", value_parser = facets, allow_hyphen_values = true)]
     pub facets: Option<Facets>,
 
     /// Planes whose sections with the parts are marked: x=500mm, x=0mm..6m/500mm (from, to, step) or z=250mm.. (all

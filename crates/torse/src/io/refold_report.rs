@@ -23,7 +23,7 @@ pub struct RefoldReport {
     pub job: String,
     /// Its input.
     pub input: String,
-    /// Distance within which parts are to lie from their panels: the tolerance of the result, or what was asked for.
+    /// Distance within which parts are to lie from their panels: twice the tolerance of the result, or what was asked for.
     pub tolerance: f64,
     /// Parts.
     pub parts: Vec<RefoldPart>,

@@ -17,8 +17,8 @@ pub use answer::{PartAnswer, RefoldAnswer, FILES};
 
 mod answer;
 
-/// Bends all parts of a result back. `file` answers the bytes of its files by name; `tolerance` (mm, positive; default that of the
-/// result) is within what they are to lie from their panels. Parts whose turn comes after the control said
+/// Bends all parts of a result back. `file` answers the bytes of its files by name; `tolerance` (mm, positive; default twice that of
+/// the result) is within what they are to lie from their panels. Parts whose turn comes after the control said
 /// stop are left out, and of those under way nothing more is proven.
 ///
 /// # Errors
@@ -60,10 +60,13 @@ pub fn refold(
     for m in made {
         m.map_or_else(|e| left.push(e), |p| parts.push(p));
     }
-    let tolerance = tolerance.unwrap_or(folder.report.tolerance);
+    let tolerance = tolerance.unwrap_or(TWICE * folder.report.tolerance);
     Ok(RefoldAnswer { tolerance, notes: folder.notes.clone(), folder, parts, left })
 }
 
+/// Tolerances of a result within which its parts are to lie by default: outlines may be drawn off by one, and what lies between bend lines
+/// by another.
+const TWICE: f64 = 2.0;
 /// Share of a result's tolerance below which distances of trims are not told apart.
 const AIM: f64 = 1e-4;
 
