@@ -306,8 +306,25 @@ fn on_unit(c: &Curve<4>) -> Result<Curve<4>, SplineError> {
     let c = c.restricted(a, b)?;
     let values =
         c.knots.values().iter().map(|&t| if t >= b { 1.0 } else { ((t - a) / (b - a)).clamp(0.0, 1.0) }).collect();
-    let knots = Knots::new(c.knots.degree(), values, c.control.len())?;
-    Ok(Curve { knots, control: c.control })
+    let (values, control) = without_end_spans(c.knots.degree(), values, c.control);
+    let knots = Knots::new(c.knots.degree(), values, control.len())?;
+    Ok(Curve { knots, control })
+}
+
+/// Knots and control points of a clamped curve on [0, 1] without spans at its ends that are no longer than [`ONE_KNOT`]: what a cut
+/// beside a knot leaves. The ends stay where they are.
+fn without_end_spans(degree: usize, mut values: Vec<f64>, mut control: Vec<[f64; 4]>) -> (Vec<f64>, Vec<[f64; 4]>) {
+    let more = |control: &Vec<[f64; 4]>| control.len() > degree + 1;
+    while more(&control) && values[degree + 1] <= ONE_KNOT {
+        // With the knot moved into the end the first point counts nothing, and the next one is the end.
+        values.remove(degree + 1);
+        control.remove(1);
+    }
+    while more(&control) && values[values.len() - degree - 2] >= 1.0 - ONE_KNOT {
+        values.remove(values.len() - degree - 2);
+        control.remove(control.len() - 2);
+    }
+    (values, control)
 }
 
 #[cfg(test)]
@@ -316,6 +333,30 @@ mod tests {
 
     fn line(p: [f64; 3], q: [f64; 3]) -> Curve<3> {
         Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![p, q]).expect("line")
+    }
+
+    /// A rail cut a rounding beside one of its knots has the end span that is left taken off, at either end.
+    #[test]
+    fn knots_a_rounding_from_an_end_are_the_end() {
+        let near = 3e-10;
+        for inner in [near, 1.0 - near] {
+            let knots = vec![0.0, 0.0, 0.0, 0.0, inner, 1.0, 1.0, 1.0, 1.0];
+            let points = [[0.0, 0.0, 0.0], [0.0, 10.0, 1.0], [0.0, 20.0, 3.0], [0.0, 25.0, 9.0], [0.0, 40.0, 2.0]];
+            // Beside the knot two control points are as near as it is.
+            let points = match inner < 0.5 {
+                true => [points[0], points[0], points[1], points[2], points[4]],
+                false => [points[0], points[1], points[2], points[4], points[4]],
+            };
+            let cut = homogeneous(&Curve::new(3, knots, points.to_vec()).expect("a curve"));
+            let straight = homogeneous(&line([100.0, 0.0, 0.0], [100.0, 40.0, 0.0]));
+            let (a, b) = matched(&straight, &cut).expect("common knots");
+            assert_eq!((a.knots.values(), b.knots.breaks()), (b.knots.values(), vec![0.0, 1.0]));
+            for t in [0.0, 0.2, 0.7, 1.0] {
+                let (p, q) = (b.point(t), cut.point(t));
+                assert!((0..3).all(|d| (p[d] - q[d]).abs() < 1e-7), "{t}: {p:?} {q:?}");
+            }
+            assert_eq!((b.point(0.0), b.point(1.0)), (cut.point(0.0), cut.point(1.0)));
+        }
     }
 
     #[test]
