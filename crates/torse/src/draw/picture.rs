@@ -79,7 +79,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         }
     }
     borders(&mut drawing, &camera, scene, 2.6);
-    witnesses(&mut drawing, &camera, scene);
+    witnesses(&mut drawing, &camera, scene, top);
     if scene.panels.len() <= names::MOST_NAMES {
         names(&mut drawing, &camera, scene, top);
     }
@@ -425,10 +425,11 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
 /// Half the width of the cross at a place where something is wrong, px.
 const CROSS: f64 = 8.0;
 
-/// Crosses where what is asked is seen to be broken, over everything.
-fn witnesses(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
-    for p in scene.witnesses.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
-        let [x, y, _] = camera.project(p);
+/// Crosses where what is asked is seen to be broken, over everything below `top` (pixels); places beside the picture have none.
+fn witnesses(drawing: &mut Drawing, camera: &Camera, scene: &Scene, top: f64) {
+    let places = scene.witnesses.iter().map(|p| camera.project(p));
+    let (width, height) = (drawing.width as f64, drawing.height as f64);
+    for [x, y, _] in places.filter(|p| (0.0..width).contains(&p[0]) && (top..height).contains(&p[1])) {
         let arm = |dx: f64, dy: f64| [Vec2::new(x - dx, y - dy), Vec2::new(x + dx, y + dy)];
         let arms = [arm(CROSS, CROSS), arm(CROSS, -CROSS)];
         arms.iter().for_each(|a| drawing.stroke(a, 7.0, [1.0; 3], 1.0));

@@ -186,7 +186,7 @@ impl RefoldReport {
         if !open.is_empty() {
             _ = writeln!(
                 out,
-                "  measured within the tolerance, {}, but not proven to be: {}",
+                "  not proven to lie within {} of their panels with their edges: {}",
                 length(self.tolerance),
                 open.join(", "),
             );

@@ -415,8 +415,8 @@ function open_view(canvas, gl) {
       // Places where something is wrong are seen through everything.
       gl.disable(gl.DEPTH_TEST);
       gl.uniform1i(drawing.at.selected, -1);
-      segments(parts.witnesses, 13, [1, 1, 1, 1]);
-      segments(parts.witnesses, 8, [0, 0, 0, 1]);
+      segments(parts.witnesses, 18, [1, 1, 1, 1]);
+      segments(parts.witnesses, 12, [0, 0, 0, 1]);
     }
     gl.depthMask(true);
     gl.bindVertexArray(null);
