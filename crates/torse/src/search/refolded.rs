@@ -358,7 +358,7 @@ fn ended(ribbon: Ribbon, lines: &mut [Vec<SpanChord>]) -> Ribbon {
 /// Share of the size by which the places of a span on its panel may be uneven.
 const UNEVEN: f64 = 5e-6;
 /// Parts of a span at most where they are.
-const MOST_PARTS: f64 = 16.0;
+const MOST_PARTS: f64 = 64.0;
 
 /// Whether rulings of a part are straight in the parameters of their panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
