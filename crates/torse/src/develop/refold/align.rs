@@ -57,9 +57,7 @@ pub(super) fn settled(outline: &Outline, start: Motion, points: &[Vec<Vec2>], ro
         let mut right = nalgebra::Vector3::zeros();
         let (mut sum, mut count) = (0.0, 0.0);
         for x in points.iter().flatten() {
-            let [c, s] = motion.turn;
-            let p = x - motion.shift;
-            let own = Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x);
+            let own = motion.back(x);
             let Some(([from, to], on)) = outline.nearest(&own) else { continue };
             let (off, along) = (own - on, to - from);
             let n = off.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(|| Vec2::new(-along.y, along.x) / along.norm());

@@ -464,9 +464,7 @@ impl Atlas {
     }
 
     fn moved_back(&self, q: &Vec2) -> Vec2 {
-        let [c, s] = self.motion.turn;
-        let p = q - self.motion.shift;
-        let p = Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x);
+        let p = self.motion.back(q);
         if self.mirrored {
             Vec2::new(-p.x, p.y)
         } else {

@@ -107,9 +107,8 @@ fn in_space(laid: &Laid, panel: usize, q: &Vec2) -> Vec3 {
     let plane = laid.face(panel).and_then(|f| Some((f.placed.chart.plane()?, &f.placed.motion)));
     match plane {
         Some((frame, motion)) => {
-            let [c, s] = motion.turn;
-            let d = q - motion.shift;
-            frame.to_world(&Vec3::new(c * d.x + s * d.y, c * d.y - s * d.x, 0.0))
+            let p = motion.back(q);
+            frame.to_world(&Vec3::new(p.x, p.y, 0.0))
         }
         None => laid.spot_on(panel, q).map_or(Vec3::repeat(f64::NAN), |spot| laid.space(&spot)),
     }

@@ -51,6 +51,13 @@ impl Motion {
         let [c, s] = self.turn;
         Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
     }
+
+    /// The point whose image is given.
+    pub fn back(&self, q: &Vec2) -> Vec2 {
+        let [c, s] = self.turn;
+        let p = q - self.shift;
+        Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x)
+    }
 }
 
 /// Runs shorter than this share of the body are points.
