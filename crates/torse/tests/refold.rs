@@ -130,7 +130,7 @@ fn all_quadrilaterals_of_a_strip_are_proven() {
     let answer = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     let report = answer.report();
     assert_eq!(report.parts[0].panels.len(), 10, "{report:?}");
-    assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
+    assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.003), "{report:?}");
 }
 
 /// The same files, the drawing as a program writes it that keeps three decimals.

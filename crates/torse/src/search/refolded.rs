@@ -182,12 +182,14 @@ impl Tip {
             pose.at.xy() - pose.ruling().xy() * (rates.across / rates.spin)
         };
         let at = meet(ribbon.spans.get(ribbon.spans.len() / 2)?);
-        let all = ribbon.spans.iter().all(|s| (meet(s) - at).norm() <= ONE_POINT * size);
+        // Rulings that are parallel meet nowhere.
+        let farther = |most: f64, off: f64| if off.is_nan() { f64::INFINITY } else { most.max(off) };
+        let apart = ribbon.spans.iter().map(|s| (meet(s) - at).norm()).fold(0.0, farther);
         let corners = atlas.panels[panel].panel.loops.iter().flatten();
         // Panels end a hair before their tips.
         let hair = corners.map(|uv| (atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 }) - at).norm());
-        let around = (ROOM * hair.fold(f64::INFINITY, f64::min)).max(ONE_POINT * size);
-        (all && around < SHORT * size).then_some(Self { at, around })
+        let around = (ROOM * hair.fold(f64::INFINITY, f64::min)).max(ONE_POINT * size).max(2.0 * apart);
+        (apart <= NEARLY_ONE_POINT * size && around < SHORT * size).then_some(Self { at, around })
     }
 
     /// Way along the ruling at a place to the tip.
@@ -208,7 +210,9 @@ impl Tip {
     }
 }
 
-/// Share of the size of a part within which rulings meet in one point, and least way around it.
+/// Share of the size of a part within which rulings that were laid meet in one point, which is known to what lines of files are.
+const NEARLY_ONE_POINT: f64 = 1e-5;
+/// Least way around it, as a share of the size; twice what rulings miss it by, if that is more.
 const ONE_POINT: f64 = 1e-6;
 /// Way around a tip, in lengths of what a panel leaves of it: that the line goes around it counts once as distance from the outline, and
 /// what it is farther off than the panel as distance from its border.
@@ -265,15 +269,20 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Sp
     for k in 0..sides {
         let (first, last) = (spots[k], spots[(k + 1) % spots.len()]);
         let ((t, _, from), (u, _, to)) = (first, last);
-        let mut places = vec![first];
-        for x in crossed(t, u) {
+        let on_ruling = |x: f64| -> Seen {
             let pose = ribbon.flat(x);
             let side = |q: &Vec2| (q - pose.at.xy()).dot(&pose.across().xy());
             let (p, q) = (side(&from), side(&to));
             let at = from + (to - from) * (p / (p - q)).clamp(0.0, 1.0);
-            places.push((x, (at - pose.at.xy()).dot(&pose.ruling().xy()), at));
+            (x, (at - pose.at.xy()).dot(&pose.ruling().xy()), at)
+        };
+        let mut places = vec![first];
+        for next in crossed(t, u).into_iter().map(on_ruling).chain([last]) {
+            let before = places[places.len() - 1];
+            let n = straight_pieces(ribbon, before, next, NEAR * size(polygon));
+            places.extend((1..n).map(|i| on_ruling(before.0 + (next.0 - before.0) * i as f64 / n as f64)));
+            places.push(next);
         }
-        places.push(last);
         out.extend(pieces(&places, end));
     }
     if let Some((tip, (_, beside))) = split {
@@ -296,6 +305,16 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Sp
         out.extend(pieces(&places, end));
     }
     Some(out)
+}
+
+/// Pieces into which a side between two places of one span is to be cut so that what is straight in the parameters of the span lies within
+/// `near` (mm) of each.
+fn straight_pieces(ribbon: &Ribbon, (t, v, _): Seen, (u, w, _): Seen, near: f64) -> usize {
+    let rates = &ribbon.span(0.5 * (t + u)).0.in_plane;
+    let speed = rates.along.hypot(rates.across) + v.abs().max(w.abs()) * rates.spin.abs();
+    let (ds, dv) = ((u - t).abs(), (w - v).abs());
+    let beside = 0.125 * ds * rates.spin.abs() * (ds * speed + 2.0 * dv);
+    (beside / near).sqrt().ceil().clamp(1.0, MOST_PARTS) as usize
 }
 
 /// Share of the size of a part by which its outline may go beyond the rulings that its bend lines tell of: what drawings may be off.
@@ -357,7 +376,7 @@ fn ended(ribbon: Ribbon, lines: &mut [Vec<SpanChord>]) -> Ribbon {
 
 /// Share of the size by which the places of a span on its panel may be uneven.
 const UNEVEN: f64 = 5e-6;
-/// Parts of a span at most where they are.
+/// Parts of a span, and pieces of a side between two rulings, at most.
 const MOST_PARTS: f64 = 64.0;
 
 /// Whether rulings of a part are straight in the parameters of their panel.
