@@ -32,6 +32,8 @@ const BEFORE_POLE: f64 = 1e-3;
 const WELD_SHARE: f64 = 1e-4;
 /// Ends nearer to the surface than this share of the extent lie on it, though the edge between them leaves it.
 const ENDS_SHARE: f64 = 1e-3;
+/// Ends that are moved to the middle of a gap may move the other end of their chord by so many times the gap, if it went on there.
+const TURNED: f64 = 10.0;
 /// Natural parameters nearer than this share of a period are of one lift of a point, others of another.
 const SAME_LIFT: f64 = 0.02;
 /// Chords of one face at most.
@@ -442,6 +444,7 @@ pub(super) fn chords(
     tolerance: f64,
 ) -> Result<Chords, TrimError> {
     let forward = |q: [f64; 2]| [map[0].forward(q[0]), map[1].forward(q[1])];
+    let natural = |p: [f64; 2]| [map[0].inverse(p[0]).0, map[1].inverse(p[1]).0];
     let mut out = Chords { polygon: Polygon::default(), deviation: 0.0 };
     if let Some((ends, label)) = &chain.line {
         // The end of a winding line is its beginning a period on.
@@ -470,7 +473,12 @@ pub(super) fn chords(
         let lift = if j == 0 { whole } else { [0.0; 2] };
         let (Some(&a), Some(&b)) = (pieces[i].last(), pieces[j].first()) else { continue };
         let b = [b[0] + lift[0], b[1] + lift[1]];
-        if s.joint.is_none() && distance(support, s.end(), a, b, map) <= WELD_SHARE * size {
+        let gap = distance(support, s.end(), a, b, map);
+        // Beside a point in which parameter lines meet a long step is a short gap: the chord that ends there must not be turned by it.
+        let beside = [pieces[i].iter().nth_back(1), pieces[j].get(1)];
+        let turned =
+            beside.into_iter().flatten().map(|p| distance(support, natural(*p), a, b, map)).fold(0.0, f64::max);
+        if s.joint.is_none() && gap <= WELD_SHARE * size && turned <= tolerance.max(TURNED * gap) {
             let m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             if let Some(last) = pieces[i].last_mut() {
                 *last = m;

@@ -254,3 +254,28 @@ fn caps_are_parametrised_about_their_circles() {
     // It is so parametrised then.
     assert!(about_its_circles(&turned, 0.01).is_none());
 }
+
+/// A fan of 600 mm whose rulings end a hair before its tip, in an edge that is shorter than a point: its long sides stay on their rulings.
+#[test]
+fn fans_that_end_a_hair_before_their_tip_keep_their_sides() {
+    let (hair, wide) = (1e-5, 4.0);
+    let corners = [[0.0, 0.0], [0.0, hair]].map(|c| Vec3::new(c[0], c[1], 0.0));
+    let rim = [[600.0, 0.0], [600.0, wide]].map(|c| Vec3::new(c[0], c[1], 0.0));
+    let knots = || crate::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let points = [corners[0], rim[0], corners[1], rim[1]];
+    let surface = Surface::new(knots(), knots(), &points, None).expect("a surface");
+    let line = |p: Vec3, q: Vec3| {
+        let curve = Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], [p, q].map(|x| [x.x, x.y, x.z, 1.0]).to_vec());
+        Arc { curve: SpaceCurve::Spline(curve.expect("a line")), from: 0.0, to: 1.0 }
+    };
+    let way = [corners[0], corners[1], rim[1], rim[0]];
+    let edge = |k: usize| {
+        let (p, q) = (way[k], way[(k + 1) % 4]);
+        RawEdge { entity: k as u64 + 1, forward: true, path: vec![line(p, q)], vertices: Some([p, q]), trace: None }
+    };
+    let region = Region::Loops(vec![RawLoop { edges: (0..4).map(edge).collect(), outer: true }]);
+    let faces = faces(&raw(&spline(surface), region), None).expect("a face");
+    let corners = &faces[0].loops[0].points;
+    assert_eq!(corners.len(), 4, "{corners:?}");
+    assert!(corners.iter().flatten().all(|x| x.abs().min((x - 1.0).abs()) < 1e-6), "{corners:?}");
+}
