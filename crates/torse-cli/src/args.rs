@@ -163,7 +163,8 @@ pub struct Approximate {
     #[arg(long, value_name = "DIRECTION", value_parser = direction, allow_hyphen_values = true, conflicts_with = "guide")]
     pub direction: Option<Vec3>,
 
-    /// Curve whose tangents strips run along: an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of points
+    /// Curve whose tangents strips run along: an edge or curve of a CAD file (FILE#NUMBER), a DXF curve, or a table of
+    /// points
     #[arg(long, value_name = "CURVE")]
     pub guide: Option<String>,
 
@@ -181,8 +182,8 @@ pub struct Approximate {
     pub seam_along: Vec<String>,
 
     /// Curve that a panel must run along; may be given several times. A section such as x=1200mm, a parameter curve
-    /// such as u=0.5 or v=0.25 (share of the range), an edge of a STEP file (FILE#NUMBER), all curves of a DXF file, or a
-    /// table of points, which are projected onto the surface. Further panels follow from the borders of these
+    /// such as u=0.5 or v=0.25 (share of the range), an edge or curve of a CAD file (FILE#NUMBER), all curves of a DXF
+    /// file, or a table of points, which are projected onto the surface. Further panels follow from the borders of these
     #[arg(long, value_name = "CURVE", allow_hyphen_values = true, conflicts_with_all = ["direction", "guide"])]
     pub curves: Vec<String>,
 
@@ -437,7 +438,8 @@ points.png (a map of them).
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Fit {
-    /// Measured points (.ply, .csv, .xyz, .txt, .obj, .stl), rulings (.csv, .dxf), planes (.csv) or faces (.step)
+    /// Measured points (.ply, .csv, .xyz, .txt, .obj, .stl, meshes of .3dm), rulings (.csv, .dxf), planes (.csv) or faces
+    /// (STEP, IGES, 3DM)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
@@ -502,18 +504,18 @@ pub struct Fit {
   torse loft duct.step#12 duct.step#57 --tolerance 0.01mm --out duct
   torse loft a.dxf b.dxf -t 0.1mm -o strip --ends extend
 
-A rail is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), or a table of points
-with columns x, y, z. Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
-and report.json.
+A rail is a STEP or IGES file (FILE#NUMBER names an edge or curve), a Rhino file (FILE#NUMBER or FILE#NAME), a DXF file
+(FILE#LAYER or FILE#HANDLE), or a table of points with columns x, y, z. Written into the output folder: panels.step,
+patterns.dxf, patterns.svg, model.glb, pictures, report.html and report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
 tolerance (files written and marked).")]
 pub struct Loft {
-    /// First rail: an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of points
+    /// First rail: an edge or curve of a CAD file (FILE#NUMBER), a DXF curve, or a table of points
     #[arg(value_name = "RAIL_A")]
     pub a: String,
 
-    /// Second rail: an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of points
+    /// Second rail: an edge or curve of a CAD file (FILE#NUMBER), a DXF curve, or a table of points
     #[arg(value_name = "RAIL_B")]
     pub b: String,
 
@@ -600,16 +602,16 @@ pub enum LoftExtension {
   torse net edge.step#12 --start-ruling y --width 80mm --stars 1.4,1.3 -t 0.01mm -o strip
   torse net net.json --tolerance 0.01mm --out strip
 
-The curve is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), a table of points
-x, y, z, or a control net (JSON: unit, degree, knots, points, first_ruling, last_ruling). It must be smooth. The
-strip is exactly developable. All solutions are listed in the report; the one whose regression curve keeps farthest
+The curve is a STEP or IGES file (FILE#NUMBER names an edge or curve), a Rhino file (FILE#NUMBER or FILE#NAME), a DXF
+file (FILE#LAYER or FILE#HANDLE), a table of points x, y, z, or a control net (JSON: unit, degree, knots, points,
+first_ruling, last_ruling). It must be smooth. The strip is exactly developable. All solutions are listed in the report; the one whose regression curve keeps farthest
 from the curve is taken. Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures,
 report.html and report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 no regular surface holds the rulings, or not
 certified (files written and marked).")]
 pub struct Net {
-    /// Curve (an edge of a STEP file, FILE#NUMBER; a DXF curve; a table of points), or control net (JSON)
+    /// Curve (an edge or curve of a CAD file, FILE#NUMBER; a DXF curve; a table of points), or control net (JSON)
     #[arg(value_name = "CURVE")]
     pub curve: String,
 
@@ -678,8 +680,8 @@ pub struct Net {
   torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper
   torse hull loop.csv --unit mm --tolerance 0.1mm --out cushion
 
-A curve is a STEP file (FILE#NUMBER names an edge), a DXF file (all its curves, or FILE#LAYER or FILE#HANDLE), or a
-table of points with columns x, y, z. The boundary of the convex hull of all curves consists of planar triangles and developable strips; planar
+A curve is a STEP or IGES file (FILE#NUMBER names an edge or curve), a Rhino file (all its curves, or FILE#NUMBER or
+FILE#NAME), a DXF file (all its curves, or FILE#LAYER or FILE#HANDLE), or a table of points with columns x, y, z. The boundary of the convex hull of all curves consists of planar triangles and developable strips; planar
 pieces within a single planar curve, such as the mouths of a duct, are left open. Curves inside the hull of the
 others are not touched.
 
@@ -689,7 +691,7 @@ report.json.
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
 tolerance (files written and marked).")]
 pub struct Hull {
-    /// Curves: edges of a STEP file (FILE#NUMBER), DXF drawings, or tables of points
+    /// Curves: edges or curves of CAD files (FILE#NUMBER), DXF drawings, or tables of points
     #[arg(value_name = "CURVE", required = true)]
     pub curves: Vec<String>,
 
@@ -740,7 +742,7 @@ and report.json.
 Exit status: 0 plane within the tolerance, 2 bad input or usage, 3 finished but not plane within the tolerance (files
 written and marked).")]
 pub struct Planarise {
-    /// Strip of quadrilaterals: .csv, .txt or .obj
+    /// Strip of quadrilaterals: .csv, .txt, .obj or .3dm (a mesh)
     #[arg(value_name = "STRIP")]
     pub file: PathBuf,
 

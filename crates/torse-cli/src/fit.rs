@@ -7,6 +7,7 @@ use crate::job::{refuse_left_out, Job};
 use torse::answer::note::Note;
 use torse::answer::Answer;
 use torse::control::Control;
+use torse::io::cad::{self, Format};
 use torse::io::elements;
 use torse::io::threedm;
 use torse::pipeline::elements::{fit_elements, fit_faces, ElementFitOptions};
@@ -21,9 +22,11 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
 
     job.say("reading");
     let name = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let lower = name.to_ascii_lowercase();
-    let faces = [".step", ".stp", ".igs", ".iges"].iter().any(|e| lower.ends_with(e))
-        || (threedm::recognises(&bytes) && threedm::meshes::cloud(&bytes).is_err());
+    // Rhino files with meshes are scans.
+    let faces = match cad::recognised(&bytes) {
+        Some(Format::ThreeDm) => threedm::meshes::read(&bytes).is_err(),
+        format => format.is_some(),
+    };
     let of_elements = faces || elements::holds_elements(&name, &bytes);
     let mut answer = match of_elements {
         true => row(&name, &bytes, arguments, job.control())?,
@@ -48,8 +51,9 @@ fn points(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Resul
             return Err(Failure::new(format!("{name} is for rulings, planes and faces, not for points"), help));
         }
     }
-    let (cloud, guess) = torse::io::cloud::read_noted(name, bytes, arguments.unit)
-        .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
+    let (cloud, guess) = torse::io::cloud::read_noted(name, bytes, arguments.unit).map_err(|e| {
+        Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ, STL or 3DM")
+    })?;
     let mut options = FitOptions::new(arguments.tolerance.mm, &arguments.files.job_name(file));
     options.drawn = arguments.drawing.drawn(&arguments.files.shop);
     if let Some(n) = arguments.max_strips {

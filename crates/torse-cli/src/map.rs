@@ -19,6 +19,7 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
     let name = arguments.artwork.display().to_string();
     let artwork = artwork::read(&name, &contents(&arguments.artwork)?, arguments.unit.unwrap_or(1.0))
         .map_err(|e| Failure::new(e.to_string(), "give a table of points (x, y, z) or a drawing of curves (DXF)"))?;
+    refuse_kind(arguments, &artwork)?;
     let file = file_of(&arguments.folder)?;
     let mut map = read_map(&file, arguments.part.as_deref(), arguments.within.as_ref().map(|l| l.mm)).map_err(|e| {
         let hint = match &e {
@@ -33,7 +34,10 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
         To::Space => Side::Space,
     };
     let (notes, (bytes, mut told)) = match artwork {
-        Artwork::Points(points, blank) => (passed_on(&blank), carried_points(&map, &points, &blank, to)),
+        Artwork::Points(points, blank) => {
+            let notes = passed_on(&blank).into_iter().chain(heights(&points, to)).collect();
+            (notes, carried_points(&map, &points, &blank, to))
+        }
         Artwork::Drawing(sketch, notes) => (notes, carried_drawing(&map, &sketch, to)),
     };
     told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
@@ -70,6 +74,30 @@ fn refuse_own(arguments: &Map) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Refuses a name that says that it is of the other kind: tables of points stay tables, drawings drawings.
+fn refuse_kind(arguments: &Map, artwork: &Artwork) -> Result<(), Failure> {
+    let (wanted, other) = match artwork {
+        Artwork::Points(..) => (("a table of points", "csv"), "dxf"),
+        Artwork::Drawing(..) => (("a drawing", "dxf"), "csv"),
+    };
+    if !arguments.out.extension().is_some_and(|e| e.eq_ignore_ascii_case(other)) {
+        return Ok(());
+    }
+    let (kind, ending) = wanted;
+    let (out, given) = (arguments.out.display(), arguments.artwork.display());
+    Err(Failure::new(
+        format!("'{out}' is no name for {kind}, which comes of '{given}'"),
+        format!("choose a name that ends in .{ending}"),
+    ))
+}
+
+/// A note on third coordinates in the plane.
+fn heights(points: &[(usize, torse::geom::Vec3)], to: Side) -> Option<String> {
+    let high = || points.iter().filter(|p| to == Side::Space && p.1.z != 0.0);
+    let (line, _) = high().next()?;
+    Some(format!("patterns are plane: z of {} points is not used, the first in line {line}", high().count()))
 }
 
 /// A note on rows without a place.

@@ -48,6 +48,13 @@ fn a_result_is_bent_back_and_carries_points() {
     assert!(text(&run.stdout).contains("line 3: the point lies on no part"), "{}", text(&run.stdout));
     let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&there)]);
     assert!(text(&run.stderr).contains("exists already"));
+    let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&folder.join("there.DXF"))]);
+    assert!(text(&run.stderr).contains("is no name for a table of points"), "{}", text(&run.stderr));
+    // Heights above a pattern are nowhere.
+    let high = folder.join("high.csv");
+    std::fs::write(&high, "x,y,z\n300,200,0\n300,201,4\n").expect("written");
+    let run = torse(&["map", path(&made), path(&high), "--to", "space", "-o", path(&folder.join("high-there.csv"))]);
+    assert!(text(&run.stdout).contains("z of 1 points is not used, the first in line 3"), "{}", text(&run.stdout));
     let run = torse(&["map", path(&made), path(&points), "--to", "flat", "--part", "Z", "-o", "x.csv"]);
     assert!(text(&run.stderr).contains("there is no part 'Z'; the result has A-01"), "{}", text(&run.stderr));
     let run = torse(&["refold", path(&folder), "-o", path(&folder.join("none"))]);

@@ -37,12 +37,24 @@ pub enum ReadError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn format(bytes: &[u8]) -> Format {
+    recognised(bytes).unwrap_or(Format::Step)
+}
+
+/// The format of a CAD file, by its first bytes; `None` for files that say nothing of it.
+///
+/// # Example
+/// ```
+/// use torse::io::cad::{recognised, Format};
+/// assert_eq!(recognised(b"ISO-10303-21;\nHEADER;"), Some(Format::Step));
+/// assert_eq!(recognised(b"x,y,z\n0,0,0\n"), None);
+/// ```
+pub fn recognised(bytes: &[u8]) -> Option<Format> {
     if threedm::recognises(bytes) {
-        Format::ThreeDm
+        Some(Format::ThreeDm)
     } else if iges::read::recognises(bytes) {
-        Format::Iges
+        Some(Format::Iges)
     } else {
-        Format::Step
+        step::read::recognises(bytes).then_some(Format::Step)
     }
 }
 

@@ -1,22 +1,26 @@
-//! Strips of quadrilaterals from files: tables of rulings, tables of two polylines, Wavefront OBJ with quadrilateral
-//! faces. Formats and the order of faces only.
+//! Strips of quadrilaterals from files: tables of rulings, tables of two polylines, meshes of quadrilaterals in Wavefront OBJ and in
+//! Rhino archives. Formats and the order of faces only.
 
 mod error;
+mod mesh;
 pub(super) mod obj;
 mod table;
 
+use super::cad::{self, Format};
+use super::threedm;
 use crate::torse::quad_strip::QuadStrip;
 pub use error::QuadReadError;
 
 /// Most rulings of a file; beyond it the file is no strip.
 const MOST_RULINGS: usize = 1 << 18;
 
-/// Reads a strip; `name` tells the format by its ending, `unit` is the length of one unit of the file in mm: where none
+/// Reads a strip. Rhino archives are told by what they hold, OBJ by the ending of `name`; `unit` is the length of one unit of the file in mm: where none
 /// is given, what headings say, else mm.
 ///
 /// Tables: one ruling per line as `ax, ay, az, bx, by, bz` (or `px` to `qz`); or one point per line as `x, y, z`, the two
 /// polylines separated by an empty line. Columns that the first line names may stand in any order among others; see
-/// `io::table` for separators. OBJ: all faces quadrilaterals that form one open strip, in any order.
+/// `io::table` for separators. Meshes (OBJ, 3DM): all faces quadrilaterals that form one open strip, in any order; archives
+/// know their unit.
 ///
 /// # Errors
 /// See [`QuadReadError`].
@@ -30,7 +34,12 @@ const MOST_RULINGS: usize = 1 << 18;
 /// ```
 pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<QuadStrip, QuadReadError> {
     let is_obj = std::path::Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    let [a, b] = if is_obj {
+    let [a, b] = if let Some(format) = cad::recognised(bytes) {
+        match format {
+            Format::ThreeDm => mesh::rulings(&threedm::meshes::read(bytes)?)?,
+            Format::Step | Format::Iges => return Err(QuadReadError::Surfaces),
+        }
+    } else if is_obj {
         let text = std::str::from_utf8(bytes).map_err(|_| QuadReadError::NotText)?;
         let unit = unit.unwrap_or(1.0);
         obj::rulings(text)?.map(|side| side.into_iter().map(|p| p * unit).collect())
@@ -77,6 +86,39 @@ mod tests {
         assert!(sides.contains(&expected) || sides.contains(&backwards), "{sides:?}");
         let one = read_as("s.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").expect("a strip");
         assert_eq!(one.quads(), 1);
+    }
+
+    #[test]
+    fn meshes_of_archives_are_strips_where_they_are_quadrilaterals() {
+        let points = |list: &[[f64; 3]]| list.iter().map(|p| Vec3::from(*p)).collect();
+        // Neighbours have corners of their own, one of them a zero of the other sign.
+        let mut meshes = threedm::meshes::Meshes {
+            points: points(&[
+                [0.0, 0.0, 0.0],
+                [0.0, 9.0, 0.0],
+                [5.0, 9.0, 0.0],
+                [5.0, 0.0, 0.0],
+                [5.0, -0.0, 0.0],
+                [5.0, 9.0, -0.0],
+                [9.0, 9.0, 2.0],
+                [9.0, 0.0, 2.0],
+            ]),
+            faces: vec![[0, 1, 2, 3], [4, 5, 6, 7]],
+            ..Default::default()
+        };
+        let [a, b] = mesh::rulings(&meshes).expect("a strip");
+        assert_eq!(a.len().max(b.len()), 3);
+        assert!([&a, &b].iter().any(|side| side.iter().all(|p| p.y == 9.0)), "{a:?} {b:?}");
+        meshes.faces[1] = [4, 5, 6, 6];
+        assert!(mesh::rulings(&meshes).expect_err("a triangle").to_string().contains("face 1"));
+    }
+
+    #[test]
+    fn surfaces_are_no_strip_whatever_their_file_is_called() {
+        let step = include_bytes!("../../../../data/bracket.step");
+        assert_eq!(read("strip.csv", step, None), Err(QuadReadError::Surfaces));
+        let iges = format!("{:72}S{:7}\n", "a hull", 1);
+        assert_eq!(read("strip.obj", iges.as_bytes(), None), Err(QuadReadError::Surfaces));
     }
 
     #[test]

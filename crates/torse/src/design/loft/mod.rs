@@ -139,7 +139,8 @@ pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
         if along(a, b) || along(b, a) {
             return Err(LoftError::Coincide { a: a.name.clone(), b: b.name.clone() });
         }
-        let share = |rail: &Rail, s: f64| rail.length_to(s * rail.pieces.len() as f64) / rail.length();
+        // Rounding goes a hair below zero.
+        let share = |rail: &Rail, s: f64| (rail.length_to(s * rail.pieces.len() as f64) / rail.length()).abs();
         let (at_a, at_b) = (share(a, s), share(b, t));
         return Err(LoftError::Touch { a: a.name.clone(), b: b.name.clone(), at_a, at_b, gap });
     }

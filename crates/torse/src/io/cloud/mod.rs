@@ -35,10 +35,11 @@ pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudR
 pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud, Option<String>), CloudReadError> {
     let mut guessed = unit.is_none();
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
-    if ending == "3dm" {
+    if threedm::recognises(bytes) || ending == "3dm" {
         // The file says its unit, or that it has none.
-        let found = threedm::meshes::cloud(bytes)?;
-        return Ok((found.cloud, found.assumes_unit.then(|| unit_note(name))));
+        let found = threedm::meshes::read(bytes)?;
+        let note = found.assumes_unit.then(|| unit_note(name));
+        return Ok((found.into_cloud(), note));
     }
     let only = |points: Vec<Vec3>| Cloud { points, ..Cloud::default() };
     let mut cloud = match ending.as_str() {

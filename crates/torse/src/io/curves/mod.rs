@@ -9,6 +9,7 @@ mod options;
 mod sketch;
 
 use crate::io::iges::read as iges;
+use crate::io::step::read as step;
 use crate::io::step::read::edges::{self, EdgeCurve};
 use crate::io::threedm;
 use crate::spline::curve::Curve;
@@ -57,7 +58,9 @@ pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<(Rail, Vec<String>),
 pub fn read_all(bytes: &[u8], options: &CurveOptions) -> Result<Curves, CurveError> {
     match source(bytes, options)? {
         Source::Points(points) => Ok(Curves { rails: vec![points_rail(&points, options)?], notes: Vec::new() }),
-        Source::Curves(all, notes) if is_step(bytes) => Ok(Curves { rails: vec![chosen(all, options)?], notes }),
+        Source::Curves(all, notes) if step::recognises(bytes) => {
+            Ok(Curves { rails: vec![chosen(all, options)?], notes })
+        }
         Source::Curves(all, notes) => {
             let all = selected(all, options)?;
             let groups = Rail::chains(&all.into_iter().flat_map(|f| f.curves).collect::<Vec<_>>());
@@ -85,19 +88,12 @@ fn points_rail(points: &[crate::geom::Vec3], options: &CurveOptions) -> Result<R
     }
 }
 
-fn is_step(bytes: &[u8]) -> bool {
-    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(STEP_START)]);
-    start.trim_start_matches(BLANK).starts_with("ISO-10303-21")
-}
-
-/// Bytes within which a STEP file says that it is one.
-const STEP_START: usize = 1024;
 /// What may stand before the first word of a file.
 const BLANK: [char; 5] = ['\u{feff}', ' ', '\r', '\n', '\t'];
 
 fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
     let damaged = |reason: &str| CurveError::Damaged { name: options.name.clone(), reason: reason.into() };
-    if is_step(bytes) {
+    if step::recognises(bytes) {
         let all = edges::curves(bytes).map_err(|source| CurveError::Step { name: options.name.clone(), source })?;
         return labelled(all, options);
     }

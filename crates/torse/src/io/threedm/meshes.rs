@@ -1,4 +1,4 @@
-//! Meshes of an archive as points and triangles, in millimetres.
+//! Meshes of an archive: points and faces of three or four corners, in millimetres.
 
 use super::archive;
 use super::blocks::{self, label, Want};
@@ -18,45 +18,53 @@ const ALWAYS_ALLOWED: usize = 1 << 16;
 /// Corners and triangles of all meshes that blocks copy at most; a short file can ask for copies without end.
 const MOST_COPIED: usize = 5_000_000;
 
-/// What an archive holds of meshes.
-#[derive(Clone, Debug)]
-pub struct MeshCloud {
-    /// All meshes that are shown, as one.
-    pub cloud: Cloud,
+/// What an archive holds of meshes: all that are shown, where its blocks put them, as one.
+#[derive(Clone, Debug, Default)]
+pub struct Meshes {
+    /// Corners, mm: those of single precision that every mesh has.
+    pub points: Vec<Vec3>,
+    /// Faces of four corners each, of which triangles repeat the last.
+    pub faces: Vec<[u32; 4]>,
     /// Whether the archive names no length unit, so that millimetres are assumed.
     pub assumes_unit: bool,
     /// What was not read, in words.
     pub notes: Vec<String>,
 }
 
-/// All meshes of an archive that are shown, where its blocks put them, as one.
-///
-/// Quadrilaterals are cut into two triangles about their first corner. Corners are those of single precision that every
-/// mesh has.
+impl Meshes {
+    /// Points and triangles: quadrilaterals are cut into two about their first corner.
+    pub fn into_cloud(self) -> Cloud {
+        let halves = |q: &[u32; 4]| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]];
+        let triangles = |q: &[u32; 4]| halves(q).into_iter().take(if q[2] == q[3] { 1 } else { 2 });
+        Cloud { triangles: self.faces.iter().flat_map(triangles).collect(), points: self.points }
+    }
+}
+
+/// Reads all meshes of an archive that are shown.
 ///
 /// # Errors
 /// Not an archive, or a damaged one; no mesh that can be read.
-pub fn cloud(bytes: &[u8]) -> Result<MeshCloud, ReadError> {
+pub fn read(bytes: &[u8]) -> Result<Meshes, ReadError> {
     let archive = archive::archive(bytes)?;
     let uses = blocks::uses(&archive, Want::Meshes);
     let mut notes = archive.notes.clone();
     notes.extend(uses.notes);
     notes.extend(uses.skipped.iter().map(left_out));
-    let mut out = Cloud::default();
+    let mut out = Meshes::default();
     let (mut seen, mut copied) = (HashSet::new(), 0);
     for o in &uses.occurrences {
         let Some(Ok(record)) = archive.objects.get(o.object) else { continue };
         let Ok(object) = record.object.clone() else { continue };
         let read = mesh(object.data, archive.unit.length).and_then(|m| {
             if !seen.insert(o.object) {
-                copied += m.points.len() + m.triangles.len();
+                copied += m.points.len() + m.faces.len();
             }
             if copied > MOST_COPIED || out.points.len() + m.points.len() > u32::MAX as usize {
                 return fault("the blocks of the file copy too many meshes");
             }
             let first = out.points.len() as u32;
             out.points.extend(m.points.iter().map(|p| o.placement.point(p)));
-            out.triangles.extend(m.triangles.iter().map(|t| t.map(|c| c + first)));
+            out.faces.extend(m.faces.iter().map(|f| f.map(|c| c + first)));
             Ok(())
         });
         if let Err(f) = read {
@@ -66,16 +74,16 @@ pub fn cloud(bytes: &[u8]) -> Result<MeshCloud, ReadError> {
     let within = |p: &Vec3| p.iter().all(|x| x.abs() <= FARTHEST);
     if !out.points.iter().all(within) {
         notes.insert(0, "corners of meshes lie endlessly far away".into());
-        out = Cloud::default();
+        out = Meshes::default();
     }
     if out.points.is_empty() {
         let reason = notes.into_iter().next().unwrap_or_default();
         return Err(ReadError::Nothing { what: "meshes", objects: archive.objects.len(), reason });
     }
-    Ok(MeshCloud { cloud: out, assumes_unit: archive.unit.name.is_empty(), notes })
+    Ok(Meshes { assumes_unit: archive.unit.name.is_empty(), notes, ..out })
 }
 
-fn mesh(mut c: Cursor, scale: f64) -> Reading<Cloud> {
+fn mesh(mut c: Cursor, scale: f64) -> Reading<Meshes> {
     let (major, minor) = c.version()?;
     if major != 1 && major != 3 {
         return fault(format!("a mesh has the unknown version {major}.{minor}"));
@@ -92,7 +100,7 @@ fn mesh(mut c: Cursor, scale: f64) -> Reading<Cloud> {
             c.chunk()?;
         }
     }
-    let triangles = triangles(&mut c, faces, corners)?;
+    let faces = quadruples(&mut c, faces, corners)?;
     let length = corners.checked_mul(12).ok_or_else(|| Fault("a mesh claims too many corners".into()))?;
     let bytes = match major {
         1 => {
@@ -109,11 +117,11 @@ fn mesh(mut c: Cursor, scale: f64) -> Reading<Cloud> {
     if points.iter().any(|p| !p.iter().all(|x| x.is_finite())) {
         return fault("a corner of a mesh is not finite");
     }
-    Ok(Cloud { points, triangles })
+    Ok(Meshes { points, faces, ..Meshes::default() })
 }
 
 /// Faces of four corners each, of which triangles repeat the last.
-fn triangles(c: &mut Cursor, faces: usize, corners: usize) -> Reading<Vec<[u32; 3]>> {
+fn quadruples(c: &mut Cursor, faces: usize, corners: usize) -> Reading<Vec<[u32; 4]>> {
     let width = match c.i32()? {
         w @ (1 | 2 | 4) => w as usize,
         w => return fault(format!("the corners of a mesh have numbers of {w} bytes")),
@@ -129,10 +137,7 @@ fn triangles(c: &mut Cursor, faces: usize, corners: usize) -> Reading<Vec<[u32; 
                 return fault(format!("a mesh of {corners} corners has a face with the corner {k}"));
             }
         }
-        out.push([q[0], q[1], q[2]]);
-        if q[2] != q[3] {
-            out.push([q[0], q[2], q[3]]);
-        }
+        out.push(q);
     }
     Ok(out)
 }

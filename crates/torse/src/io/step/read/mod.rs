@@ -74,6 +74,17 @@ pub enum ReadError {
     },
 }
 
+/// Bytes within which a STEP file says that it is one.
+const START: usize = 1024;
+/// What may stand before the first word of a file.
+const BLANK: [char; 5] = ['\u{feff}', ' ', '\r', '\n', '\t'];
+
+/// Whether a file says that it is STEP.
+pub fn recognises(bytes: &[u8]) -> bool {
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(START)]);
+    start.trim_start_matches(BLANK).starts_with("ISO-10303-21")
+}
+
 /// Reads a STEP file with default options; see [`read_with`].
 ///
 /// # Errors

@@ -54,7 +54,7 @@ fn no_changed_byte_is_a_panic_and_no_shape_is_lost_in_silence() {
         for change in [0x01, 0x80, 0xFF] {
             let mut bytes = whole.clone();
             bytes[at] ^= change;
-            let _ = (free_curves::curves(&bytes), meshes::cloud(&bytes));
+            let _ = (free_curves::curves(&bytes), meshes::read(&bytes));
             let Ok(m) = read(&bytes) else { continue };
             let words = m.skipped.iter().map(left_out).collect::<Vec<_>>().join("; ");
             damaged += usize::from(words.contains("checksum"));
@@ -74,7 +74,7 @@ fn lengths_that_lie_are_refused() {
         for value in [i64::MAX, -1, 1 << 40, i64::from(i32::MAX)] {
             let mut bytes = whole.clone();
             bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
-            let _ = (read(&bytes), free_curves::curves(&bytes), meshes::cloud(&bytes));
+            let _ = (read(&bytes), free_curves::curves(&bytes), meshes::read(&bytes));
         }
     }
 }

@@ -216,9 +216,10 @@ fn meshes_are_points_and_triangles() {
             Item { id: 13, ..Item::new(0x20, MESH, mesh(version, raw)) },
         ];
         let s = Specimen { unit: (3, 1.0), blocks: vec![(1, "b", vec![11])], ..Specimen::new(version, items) };
-        let found = meshes::cloud(&s.bytes()).expect("a mesh");
-        let cloud = found.cloud;
-        assert_eq!((cloud.points.len(), found.notes.len(), found.assumes_unit), (10, 0, false));
+        let found = meshes::read(&s.bytes()).expect("a mesh");
+        assert_eq!((found.points.len(), found.notes.len(), found.assumes_unit), (10, 0, false));
+        assert_eq!(found.faces[..2], [[0, 1, 2, 3], [2, 4, 3, 3]]);
+        let cloud = found.into_cloud();
         assert_eq!(cloud.points[4], Vec3::new(5., 20., 72.5));
         assert_eq!(cloud.triangles, [[0, 1, 2], [0, 2, 3], [2, 4, 3], [5, 6, 7], [5, 7, 8], [7, 9, 8]]);
         // A mesh is no face.
@@ -232,5 +233,5 @@ fn a_packed_list_that_lies_is_refused() {
     // Five corners become two hundred million: no such memory is taken.
     c.bytes[1..5].copy_from_slice(&200_000_000_i32.to_le_bytes());
     let s = Specimen::new(70, vec![Item::new(0x20, MESH, c)]);
-    assert!(matches!(meshes::cloud(&s.bytes()), Err(ReadError::Nothing { what: "meshes", .. })));
+    assert!(matches!(meshes::read(&s.bytes()), Err(ReadError::Nothing { what: "meshes", .. })));
 }
