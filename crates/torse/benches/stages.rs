@@ -44,7 +44,7 @@ fn reading() -> usize {
 #[divan::bench(sample_count = 10)]
 fn field(bencher: divan::Bencher) {
     let state = State::of_face(&face(), f64::INFINITY).expect("a triangulation");
-    let (forms, places) = (state.forms(0, 1500), state.places(0));
+    let (forms, places) = (state.region(0).forms(1500), state.region(0).places());
     bencher.bench(|| {
         strip_potentials(
             &forms,

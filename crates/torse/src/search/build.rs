@@ -373,7 +373,7 @@ impl State {
         let mut sums: BTreeMap<u32, (Vec3, f64)> = BTreeMap::new();
         for (t, label) in self.partition.labels.iter().enumerate() {
             let area = self.triangle_area(t);
-            let middle = self.partition.triangles[t].iter().map(|&v| self.jets[v as usize].jet.p).sum::<Vec3>() / 3.0;
+            let middle = self.middle(t);
             let sum = sums.entry(*label).or_insert((Vec3::zeros(), 0.0));
             *sum = (sum.0 + middle * area, sum.1 + area);
         }

@@ -48,8 +48,10 @@ impl Task<'_> {
         loop {
             let (built, mut refused) = build(self.index, self.face, &state, self.whole);
             // Both sides of a slit lie on one line of a plane: trims may be told apart by their errors, drawings are not.
-            let slit =
-                state.panels.iter().filter(|(&l, fit)| fit.kind == PanelKind::Plane && state.meets_itself(l).is_some());
+            let slit = state
+                .panels
+                .iter()
+                .filter(|(&l, fit)| fit.kind == PanelKind::Plane && state.region(l).meets_itself().is_some());
             refused.extend(slit.map(|(&l, _)| l).filter(|l| !refused.contains(l)).collect::<Vec<_>>());
             if refused.is_empty() {
                 return Laid { state, built, accepted: true, seams };

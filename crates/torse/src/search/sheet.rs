@@ -99,8 +99,7 @@ pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[Se
     for plane in planes {
         for label in parts.partition.distinct_labels() {
             let height = |[u, v]: [f64; 2]| plane.height(&task.face.surface.point(u, v));
-            let vertices = parts.partition.region_vertices(label).into_iter();
-            let heights: Vec<f64> = vertices.map(|v| plane.height(&parts.jets[v as usize].jet.p)).collect();
+            let heights: Vec<f64> = parts.region(label).points().iter().map(|x| plane.height(x)).collect();
             // Panels that end at a plane are not cut.
             let crosses = [1.0, -1.0].iter().all(|side| heights.iter().any(|h| side * h > task.whole));
             if let Some((cut, _)) = crosses.then(|| parts.cut_by(label, height)).flatten() {
@@ -155,7 +154,7 @@ impl Counts {
     }
 
     fn whole_of(&self, parts: &State, part: u32) -> Option<u32> {
-        let fit = parts.panels.get(&part)?;
+        let fit = parts.region(part).fit()?;
         self.base.panels.iter().find(|(_, f)| Arc::ptr_eq(f, fit)).map(|(whole, _)| *whole)
     }
 
@@ -220,9 +219,7 @@ fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
     let meridian = meridian(task.face, task.options.tolerance).filter(Meridian::is_whole)?;
     let (around, bounds) = (1 - meridian.along(), bounds(task.face));
     let goes_round = |ring: &u32| {
-        let vertices = &laid.state.partition.vertices;
-        let places: Vec<f64> =
-            laid.state.partition.region_vertices(*ring).into_iter().map(|v| vertices[v as usize][around]).collect();
+        let places: Vec<f64> = laid.state.region(*ring).places().into_iter().map(|p| p[around]).collect();
         [bounds[2 * around], bounds[2 * around + 1]].iter().all(|end| places.contains(end))
     };
     // Sectors are as wide along their rulings as rings.

@@ -26,13 +26,13 @@ fn blunted(task: &Task, mut laid: Laid) -> Laid {
     }
     let least = |width: f64| task.options.limits.min_width.unwrap_or(SLIVER * width);
     let all: Vec<(u32, f64)> = sizes(&laid).into_iter().map(|(label, [width, _])| (label, least(width))).collect();
-    let pronged = parallel::map(all, |p| laid.state.has_prong(p.0, p.1).then_some(p));
+    let pronged = parallel::map(all, |p| laid.state.region(p.0).has_prong(p.1).then_some(p));
     for (label, width) in pronged.into_iter().flatten() {
         if task.control.stopped() {
             break;
         }
         let options = task.options_with(&laid.seams);
-        let next = Job::new(task.face, &options, task.control).without_prong(&laid.state, label, width);
+        let next = Job::new(task.face, &options, task.control).without_prong(laid.state.region(label), width);
         let next = next.map(|state| task.laid(state, laid.seams.clone()));
         laid = next.filter(|n| is_good(task, n, &laid)).unwrap_or(laid);
     }
@@ -47,7 +47,7 @@ fn without_slivers(task: &Task, mut laid: Laid) -> Laid {
             break;
         }
         let options = task.options_with(&laid.seams);
-        let next = Job::new(task.face, &options, task.control).without_sliver(&laid.state, label);
+        let next = Job::new(task.face, &options, task.control).without_sliver(laid.state.region(label));
         let next = next.map(|state| task.laid(state, laid.seams.clone()));
         match next.filter(|n| is_better(task, n, &laid)) {
             Some(next) => laid = next,

@@ -152,10 +152,11 @@ impl State {
                 if !finite || points.len() < 3 || points.iter().all(|p| p == &points[0]) {
                     return Err(CurveError::Empty { name: name() });
                 }
-                let projector = SurfaceProjector::new(&self.surface);
-                let feet: Vec<_> = points.iter().map(|x| projector.nearest(&self.surface, x)).collect();
+                let surface = &self.face.surface;
+                let projector = SurfaceProjector::new(surface);
+                let feet: Vec<_> = points.iter().map(|x| projector.nearest(surface, x)).collect();
                 let distance = feet.iter().map(|f| f.distance).fold(0.0, f64::max);
-                let allowed = (NEAR * self.surface.bbox().diagonal()).max(10.0 * tolerance);
+                let allowed = (NEAR * surface.bbox().diagonal()).max(10.0 * tolerance);
                 if distance > allowed {
                     return Err(CurveError::Off { name: name(), distance, allowed });
                 }
@@ -174,7 +175,7 @@ impl State {
     fn section(&self, normal: &Vec3, offset: f64) -> Vec<Vec<[f64; 2]>> {
         const BISECTIONS: usize = 50;
         let partition = &self.partition;
-        let height = |p: [f64; 2]| normal.dot(&self.surface.point(p[0], p[1])) - offset;
+        let height = |p: [f64; 2]| normal.dot(&self.face.surface.point(p[0], p[1])) - offset;
         // Vertices on the plane count as above it: every triangle is crossed on none or two of its sides.
         let above: Vec<bool> = self.jets.iter().map(|j| normal.dot(&j.jet.p) >= offset).collect();
         let mut places: HashMap<(u32, u32), [f64; 2]> = HashMap::default();

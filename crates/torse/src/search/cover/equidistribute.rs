@@ -9,7 +9,8 @@
 
 use super::job::{Job, DISTANCE_SHARE};
 use super::propose::{Attempt, AttemptOptions};
-use super::state::{Density, State};
+use super::region::{Density, Region};
+use super::state::State;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::num::hash::{HashMap, HashSet};
@@ -84,8 +85,7 @@ impl Job<'_> {
     /// `budget` will do.
     pub(super) fn equidistribute(
         &self,
-        state: &State,
-        label: u32,
+        region: Region,
         field: &Field,
         (theory, density): (f64, &[f64]),
         budget: usize,
@@ -95,22 +95,22 @@ impl Job<'_> {
         }
         let most = (theory * (1.0 + MORE.0) + MORE.1) as usize;
         let count = (theory.ceil() as usize).clamp(1, budget.max(1));
-        let (lo, hi) = state.range(label, field);
+        let (lo, hi) = region.range(field);
         let rise = Rise::guessed(lo, hi, density);
         let start = Start { levels: rise.levels(count), rise, known: Vec::new(), rounds: ROUNDS, most };
-        self.settled(state, label, field, start, budget)
+        self.settled(region, field, start, budget)
     }
 
     /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even
-    /// errors where that needs fewer panels or where one of the bands is but a remainder. `before`: the state with the
-    /// region `label` that `cover` covers.
-    pub(super) fn evened(&self, before: &State, label: u32, cover: State) -> State {
+    /// errors where that needs fewer panels or where one of the bands is but a remainder. `bare`: the region that `cover`
+    /// covers, before it does.
+    pub(super) fn evened(&self, bare: Region, cover: State) -> State {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let Some((field, fresh)) = before.chain(&cover) else { return cover };
+        let Some((field, fresh)) = bare.state.chain(&cover) else { return cover };
         let bands: Vec<[f64; 3]> = fresh
             .iter()
             .map(|l| {
-                let (lo, hi) = cover.range(*l, &field);
+                let (lo, hi) = cover.region(*l).range(&field);
                 [lo, hi, (cover.panels[l].error / allowed).max(LEAST_SHARE)]
             })
             .collect();
@@ -128,8 +128,8 @@ impl Job<'_> {
         });
         let known = known.collect();
         let start = Start { levels: rise.levels(count), rise, known, rounds: ROUNDS_ANEW, most: fresh.len() };
-        let least = |state: &State| before.newly(state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
-        match self.settled(before, label, &field, start, fresh.len()) {
+        let least = |state: &State| bare.state.newly(state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
+        match self.settled(bare, &field, start, fresh.len()) {
             Some((s, _)) if s.panels.len() < cover.panels.len() || (uneven && least(&s) > least(&cover)) => s,
             _ => cover,
         }
@@ -137,7 +137,7 @@ impl Job<'_> {
 
     /// Lays bands of `field` until their errors are even; see [`Job::equidistribute`].
     #[expect(clippy::too_many_lines, reason = "one descent with its state")]
-    fn settled(&self, state: &State, label: u32, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
+    fn settled(&self, region: Region, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
         let Start { mut rise, mut levels, mut known, rounds, most } = start;
         let mut count = levels.len() - 1;
         // Panels and largest share of the best cover, mean of what its bands leave of the tolerance, and itself.
@@ -152,7 +152,7 @@ impl Job<'_> {
             if count > budget.min(most) || self.control.stopped() {
                 break;
             }
-            let (laid, bands) = self.laid(state, label, field, &levels, &known);
+            let (laid, bands) = self.laid(region, field, &levels, &known);
             let shares: Vec<f64> =
                 bands.iter().map(|b| b.iter().fold(LEAST_SHARE, |m, p| m.max(p.share)).min(MOST_SHARE)).collect();
             let worst = shares.iter().copied().fold(0.0, f64::max);
@@ -221,7 +221,7 @@ impl Job<'_> {
         }
         if best.is_none() && !self.control.stopped() {
             // A few bands resist, the others are good: two in place of each.
-            let (laid, bands) = self.laid(state, label, field, &divided?, &known);
+            let (laid, bands) = self.laid(region, field, &divided?, &known);
             let panels: Vec<&BandPart> = bands.iter().flatten().collect();
             let within = panels.len() <= budget && panels.iter().all(|p| p.fit.is_some());
             // The march may do better than halves.
@@ -233,25 +233,19 @@ impl Job<'_> {
     /// The bands between levels, with the best torse of each of their components: proven when all bands might do. Bands
     /// of the round before that have not moved keep the torses that are `known` for them; the others, where they are few,
     /// begin with that of the band with which they share the most.
-    fn laid(
-        &self,
-        state: &State,
-        label: u32,
-        field: &Field,
-        levels: &[f64],
-        known: &[Known],
-    ) -> (State, Vec<Vec<BandPart>>) {
-        let (laid, mut pieces) = self.proposed(state, label, field, levels, known);
+    fn laid(&self, region: Region, field: &Field, levels: &[f64], known: &[Known]) -> (State, Vec<Vec<BandPart>>) {
+        let (laid, mut pieces) = self.proposed(region, field, levels, known);
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
             let how = AttemptOptions { prove: true, ..proposals(known) };
             let proven = |p: &mut BandPart, w: &[f64]| {
                 let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
-                let mut t = self.confirmed(&laid, p.label, fit);
+                let region = laid.region(p.label);
+                let mut t = self.confirmed(region, fit);
                 if t.accepted.is_none() {
-                    t = self.tried(&laid, p.label, Some(&self.middle(&laid, p.label, field, w)), how);
+                    t = self.tried(region, Some(&self.middle(region, field, w)), how);
                 }
                 *p = self.piece(p.label, t);
-                p.proven = p.fit.as_ref().map(|_| laid.area(p.label));
+                p.proven = p.fit.as_ref().map(|_| region.area());
             };
             parallel::for_each(pieces.iter_mut().zip(levels.windows(2)), |(band, w)| {
                 parallel::for_each(band.iter_mut(), |p| proven(p, w))
@@ -261,15 +255,8 @@ impl Job<'_> {
     }
 
     /// As [`Job::laid`], nothing proven but what is known.
-    fn proposed(
-        &self,
-        state: &State,
-        label: u32,
-        field: &Field,
-        levels: &[f64],
-        known: &[Known],
-    ) -> (State, Vec<Vec<BandPart>>) {
-        let mut laid = state.clone();
+    fn proposed(&self, region: Region, field: &Field, levels: &[f64], known: &[Known]) -> (State, Vec<Vec<BandPart>>) {
+        let (mut laid, label) = (region.state.clone(), region.label);
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
             let fresh = laid.partition.fresh_label();
@@ -283,12 +270,13 @@ impl Job<'_> {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let how = proposals(known);
         let proposed = |label: u32, w: &[f64], alone: bool| {
+            let region = laid.region(label);
             let before = known.iter().find(|k| k.ends[..] == *w).map_or(&[][..], |k| &k.good[..]);
-            let sampled = || laid.dense_samples(label, how.density);
+            let sampled = || region.dense_samples(how.density);
             let samples = if before.is_empty() { Vec::new() } else { sampled() };
             let kept = before.iter().find_map(|(fit, proven)| {
                 let (error, worst) = crate::fit::near::samples::error(&fit.torse, &samples)?;
-                let area = laid.area(label);
+                let area = region.area();
                 // The same region: its proof still holds.
                 let proven = proven.filter(|a| (a - area).abs() <= SAME_AREA * area);
                 let fit = (error <= allowed).then(|| Arc::new(Fit { error, worst, ..(**fit).clone() }))?;
@@ -301,8 +289,8 @@ impl Job<'_> {
                         known.iter().filter(|k| alone && levels.len() <= FEWEST_NARROWED && k.overlap(w) > OVERLAP);
                     let near = near.max_by(|a, b| a.overlap(w).total_cmp(&b.overlap(w)));
                     let from = near.and_then(|k| k.single.as_deref());
-                    let centre = self.middle(&laid, label, field, w);
-                    self.piece(label, self.tried(&laid, label, Some(&centre), AttemptOptions { from, ..how }))
+                    let centre = self.middle(region, field, w);
+                    self.piece(label, self.tried(region, Some(&centre), AttemptOptions { from, ..how }))
                 }
             }
         };
@@ -313,8 +301,8 @@ impl Job<'_> {
     }
 
     /// Bands between levels with the best torses at hand, good enough or not. `None` where some band has none.
-    pub(super) fn roughly_laid(&self, state: &State, label: u32, field: &Arc<Field>, levels: &[f64]) -> Option<State> {
-        let (laid, mut bands) = self.proposed(state, label, field, levels, &[]);
+    pub(super) fn roughly_laid(&self, region: Region, field: &Arc<Field>, levels: &[f64]) -> Option<State> {
+        let (laid, mut bands) = self.proposed(region, field, levels, &[]);
         bands.iter_mut().flatten().for_each(|p| p.fit = p.fit.take().or(p.refused.take()));
         bands.iter().flatten().all(|p| p.fit.is_some()).then(|| finished(laid, bands, field))
     }
@@ -326,9 +314,9 @@ impl Job<'_> {
     }
 
     /// The middle line of a component of the band between two levels.
-    fn middle(&self, laid: &State, label: u32, field: &Field, w: &[f64]) -> Vec<CentrePoint> {
-        let (lo, hi) = laid.range(label, field);
-        self.centre(laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
+    fn middle(&self, region: Region, field: &Field, w: &[f64]) -> Vec<CentrePoint> {
+        let (lo, hi) = region.range(field);
+        self.centre(region, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
     }
 }
 
@@ -380,7 +368,7 @@ impl State {
             .zip(levels.windows(2))
             .flat_map(|(band, w)| {
                 let is_narrow = |l: &u32| {
-                    let (lo, hi) = self.range(*l, field);
+                    let (lo, hi) = self.region(*l).range(field);
                     hi - lo < NARROW * (w[1] - w[0])
                 };
                 band.iter().copied().filter(is_narrow).collect::<Vec<u32>>()

@@ -2,7 +2,8 @@
 //! (docs/algorithms/cover.md, "What is developable already").
 
 use super::job::{CoverOptions, Job, DISTANCE_SHARE};
-use super::state::{Density, State};
+use super::region::{Density, Region};
+use super::state::State;
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
 use crate::certify::distance::{distance, DistanceOptions};
@@ -10,7 +11,6 @@ use crate::certify::Verdict;
 use crate::control::Control;
 use crate::fit::near::exact::{exact, ExactOptions};
 use crate::fit::near::samples::Fit;
-use crate::fit::panels::boundary::has_patch;
 use crate::search::apex::SLACK;
 use crate::torse::form::Torse;
 use std::sync::Arc;
@@ -47,7 +47,7 @@ pub(crate) fn is_developable(face: &Face, tolerance: f64) -> bool {
     // Most faces have no rulings among their parameter lines, which is seen at once.
     let Some(rulings) = Rulings::of(&face.surface, bounds(face), SLACK * tolerance) else { return false };
     let Ok(state) = State::of_face(face, f64::INFINITY) else { return false };
-    exact(&rulings, &state.samples(0), &asked(tolerance)).is_some()
+    exact(&rulings, &state.region(0).samples(), &asked(tolerance)).is_some()
 }
 
 /// Whether a face is developable and bends without jumps of its curvature: planes and bends of a plate are not one.
@@ -115,7 +115,7 @@ impl State {
         for selects in [ruling, 1 - ruling] {
             let mut labels = self.partition.distinct_labels();
             while let Some(label) = labels.pop() {
-                let bounds = self.partition.bounds(label);
+                let bounds = self.region(label).bounds();
                 let (lo, hi) = (bounds[2 * selects], bounds[2 * selects + 1]);
                 let touching = self.partition.touching(label).into_iter();
                 let mut places = touching.map(|v| self.partition.vertices[v as usize][selects]);
@@ -124,7 +124,7 @@ impl State {
                 self.touched = true;
                 let fresh = self.partition.fresh_label();
                 self.cut(label, fresh, |p| p[selects] - place);
-                let pieces = [label, fresh].map(|l| self.partition.region(l).len());
+                let pieces = [label, fresh].map(|l| self.region(l).cells().len());
                 // What snaps to vertices may part nothing after all.
                 if pieces.iter().all(|n| *n > 0) {
                     labels.extend(self.partition.split_components(label));
@@ -139,7 +139,7 @@ impl State {
 pub fn exactly(face: &Face, options: &CoverOptions, control: &Control, mut state: State) -> Option<State> {
     let job = Job::new(face, options, control);
     for label in state.partition.distinct_labels() {
-        let fit = job.exact(&state, label)?;
+        let fit = job.exact(state.region(label))?;
         state.panels.insert(label, fit);
     }
     Some(state)
@@ -220,28 +220,28 @@ fn across(turns: &[Turns], step: f64) -> Vec<f64> {
 
 impl Job<'_> {
     /// The torse of a region that is developable already, proven; `None` where it is not, or where limits forbid it.
-    fn exact(&self, state: &State, label: u32) -> Option<Arc<Fit>> {
+    fn exact(&self, region: Region) -> Option<Arc<Fit>> {
         let tolerance = self.options.tolerance;
         let surface = &self.face.surface;
-        let rulings = Rulings::of(surface, state.partition.bounds(label), SLACK * tolerance)?;
-        let samples = state.dense_samples(label, Density::Usual);
+        let rulings = Rulings::of(surface, region.bounds(), SLACK * tolerance)?;
+        let samples = region.dense_samples(Density::Usual);
         let fit = exact(&rulings, &samples, &asked(tolerance))?;
         // What is proven of cells is too little where the surface itself only just keeps the limit; of panels more is.
         let bends = |end: usize| rulings.least_radius_estimate(end).unwrap_or(f64::INFINITY);
-        self.keeps(state, label, &fit.torse, bends(0).min(bends(1))).then(|| Arc::new(fit))
+        self.keeps(region, &fit.torse, bends(0).min(bends(1))).then(|| Arc::new(fit))
     }
 
     /// Whether a torse is proven on a region, keeps to the limits there and has a patch; its least radius of curvature (mm) may be known
     /// otherwise, 0 if it is not.
-    pub(super) fn keeps(&self, state: &State, label: u32, torse: &Torse, bend_radius: f64) -> bool {
+    pub(super) fn keeps(&self, region: Region, torse: &Torse, bend_radius: f64) -> bool {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let (triangles, options) = (state.triangles(label), DistanceOptions::default());
+        let (triangles, options) = (region.triangles(), DistanceOptions::default());
         let judged = distance(&self.prepared, torse, &triangles, allowed, &options, self.control);
         let limits = &self.options.limits;
         let kept = judged.min_bend_radius.max(bend_radius) >= limits.min_bend_radius.unwrap_or(0.0)
             && judged.regression_clearance >= limits.min_clearance.unwrap_or(0.0);
         let holds = matches!(judged.verdict, Verdict::Holds { .. });
-        holds && kept && has_patch(self.face, &state.partition, label, torse)
+        holds && kept && region.has_patch(torse)
     }
 }
 

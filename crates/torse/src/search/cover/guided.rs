@@ -16,14 +16,15 @@ use super::curve_on_face::{carried_on, CurveError, PanelCurve};
 use super::job::{Job, DISTANCE_SHARE};
 use super::layout::DirectionField;
 use super::march::{TRIALS, UNKNOWN};
-use super::state::{Density, Origin, State};
+use super::region::Density;
+use super::state::{Origin, State};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
 use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Rulings of a strip.
@@ -112,14 +113,15 @@ impl Job<'_> {
             }
         }
         let named = curves.iter().map(|c| c.name.as_str()).zip(&found);
-        named.fold(directed, |state, (name, lines)| self.named(state, name, lines))
+        named.fold(directed, |state, (name, lines)| state.named(name, lines))
     }
 
     /// Number of strips that theory promises along a direction field; `None` where it says nothing.
     fn promised(&self, state: &State, directions: &DirectionField<'_>) -> Option<f64> {
         let along = |label: &u32| {
-            let potential = self.directed_strip_potentials(directions, state, *label, (700, 2)).into_iter().next()?;
-            Some(self.bands_predicted(state, *label, &potential).max(1.0))
+            let region = state.region(*label);
+            let potential = self.directed_strip_potentials(directions, region, (700, 2)).into_iter().next()?;
+            Some(self.bands_predicted(region, &potential).max(1.0))
         };
         state.partition.distinct_labels().iter().map(along).sum()
     }
@@ -132,24 +134,6 @@ impl Job<'_> {
         let found = self.covered(found, &DirectionField::Free);
         self.options.max_panels = whole;
         found.is_complete().then_some(found)
-    }
-
-    /// Names the panel in which most of a curve lies after it.
-    fn named(&self, mut state: State, name: &str, lines: &[Vec<[f64; 2]>]) -> State {
-        let middle = |t: &[u32; 3]| t.iter().map(|&v| state.jets[v as usize].jet.p).sum::<Vec3>() / 3.0;
-        let middles: Vec<Vec3> = state.partition.triangles.iter().map(middle).collect();
-        let mut within: BTreeMap<u32, usize> = BTreeMap::new();
-        for p in lines.iter().flatten() {
-            let x = self.face.surface.point(p[0], p[1]);
-            let away = |t: &usize| (middles[*t] - x).norm_squared();
-            let nearest = (0..middles.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
-            nearest.into_iter().for_each(|t| *within.entry(state.partition.labels[t]).or_default() += 1);
-        }
-        if let Some((label, _)) = within.into_iter().max_by_key(|w| w.1) {
-            let origin = Origin { curve: name.to_owned(), step: 0, paper_estimate: f64::INFINITY };
-            state.origins.insert(label, Arc::new(origin));
-        }
-        state
     }
 
     /// Lays the panels along all curves of the layout, then the fronts; what stays free has no torse.
@@ -258,10 +242,10 @@ impl Job<'_> {
                 borders[k] = smoothed(&centre, &raw?, SMOOTHING);
             }
             let polygon: Vec<[f64; 2]> = borders[0].iter().chain(borders[1].iter().rev()).copied().collect();
-            let (mut trial, labels) = self.cut_out(state, &polygon);
+            let (mut trial, labels) = state.cut_out(&polygon);
             let mut worst: f64 = 0.0;
             for &label in &labels {
-                let samples = trial.dense_samples(label, Density::Usual);
+                let samples = trial.region(label).dense_samples(Density::Usual);
                 let Some((e, at)) = error(&ruled.torse, &samples) else {
                     worst = f64::INFINITY;
                     break;
@@ -269,7 +253,7 @@ impl Job<'_> {
                 worst = worst.max(e);
                 if e <= allowed * HOPEFUL {
                     let fit = Fit { torse: ruled.torse.clone(), kind: PanelKind::Torse, error: e, worst: at };
-                    match self.proven(&trial, label, fit, samples).accepted {
+                    match self.proven(trial.region(label), fit, samples).accepted {
                         Some(fit) => {
                             trial.panels.insert(label, fit);
                         }
@@ -298,12 +282,31 @@ impl Job<'_> {
         }
         None
     }
+}
+
+impl State {
+    /// Names the panel in which most of a curve lies after it.
+    fn named(mut self, name: &str, lines: &[Vec<[f64; 2]>]) -> Self {
+        let middles: Vec<Vec3> = (0..self.partition.triangles.len()).map(|t| self.middle(t)).collect();
+        let mut within: BTreeMap<u32, usize> = BTreeMap::new();
+        for p in lines.iter().flatten() {
+            let x = self.face.surface.point(p[0], p[1]);
+            let away = |t: &usize| (middles[*t] - x).norm_squared();
+            let nearest = (0..middles.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.into_iter().for_each(|t| *within.entry(self.partition.labels[t]).or_default() += 1);
+        }
+        if let Some((label, _)) = within.into_iter().max_by_key(|w| w.1) {
+            let origin = Origin { curve: name.to_owned(), step: 0, paper_estimate: f64::INFINITY };
+            self.origins.insert(label, Arc::new(origin));
+        }
+        self
+    }
 
     /// Cuts the inside of a polygon out of the free regions: its components.
-    fn cut_out(&self, state: &State, polygon: &[[f64; 2]]) -> (State, Vec<u32>) {
-        let mut trial = state.clone();
+    fn cut_out(&self, polygon: &[[f64; 2]]) -> (Self, Vec<u32>) {
+        let mut trial = self.clone();
         let mut labels = Vec::new();
-        for label in state.free() {
+        for label in self.free() {
             let fresh = trial.partition.fresh_label();
             trial.cut(label, fresh, |p| inside_by(polygon, p));
             if trial.partition.labels.contains(&fresh) {
@@ -313,7 +316,7 @@ impl Job<'_> {
                 trial.partition.split_components(label);
             }
         }
-        let total: f64 = labels.iter().map(|&l| trial.area(l)).sum();
+        let total: f64 = labels.iter().map(|&l| trial.region(l).area()).sum();
         let whole: f64 = (0..trial.partition.triangles.len()).map(|t| trial.triangle_area(t)).sum();
         if total <= LEAST_AREA * whole {
             labels.clear();
@@ -329,13 +332,6 @@ struct Ahead {
     side: usize,
     /// Share of the intervals by which its line lies ahead.
     share: f64,
-}
-
-impl State {
-    /// Labels without a torse.
-    fn free(&self) -> BTreeSet<u32> {
-        self.partition.distinct_labels().into_iter().filter(|l| !self.panels.contains_key(l)).collect()
-    }
 }
 
 /// The longest part of a line along which the envelope is regular and bends to one side.

@@ -9,6 +9,7 @@
 //! usual means (cuts, facets) take over: the tolerance comes first.
 
 use super::curve_on_face::{carried_on, PanelCurve};
+use super::region::Region;
 use super::seam_line::SeamLine;
 use super::state::State;
 use crate::geom::Vec3;
@@ -118,7 +119,7 @@ impl State {
         let on_face = curves.iter().flat_map(|c| self.lines_of(c, tolerance).unwrap_or_default());
         let line = |uv: Vec<[f64; 2]>| {
             let closed = uv.len() > 2 && uv.first() == uv.last();
-            SeamLine::new(&self.surface, &if closed { uv } else { carried_on(&uv, bounds) })
+            SeamLine::new(&self.face.surface, &if closed { uv } else { carried_on(&uv, bounds) })
         };
         on_face.filter(|l| l.len() > 1).map(line).collect()
     }
@@ -130,7 +131,7 @@ impl State {
         let mut linear: HashSet<(u32, u32)> = HashSet::default();
         for _ in 0..HALVINGS {
             for v in 0..self.jets.len() as u32 {
-                height.entry(v).or_insert_with(|| line.height(&self.jets[v as usize].jet.p));
+                height.entry(v).or_insert_with(|| line.height(&self.point(v)));
             }
             let mut middle: HashMap<(u32, u32), u32> = HashMap::default();
             for (a, b) in self.partition.triangles.iter().flat_map(|t| edges(*t)) {
@@ -138,11 +139,11 @@ impl State {
                 if linear.contains(&key) || middle.contains_key(&key) {
                     continue;
                 }
-                let [x, y] = [key.0, key.1].map(|v| self.jets[v as usize].jet.p);
+                let [x, y] = [key.0, key.1].map(|v| self.point(v));
                 let (h, k, long) = (height[&key.0], height[&key.1], (y - x).norm());
                 let [p, q] = [key.0, key.1].map(|v| self.partition.vertices[v as usize]);
                 let m = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
-                let there = line.height(&self.surface.point(m[0], m[1]));
+                let there = line.height(&self.face.surface.point(m[0], m[1]));
                 let is_near = h.abs().min(k.abs()).min(there.abs()) <= long;
                 if is_near && long > allowed && (there - 0.5 * (h + k)).abs() > allowed {
                     middle.insert(key, self.partition.vertices.len() as u32);
@@ -162,12 +163,12 @@ impl State {
     /// Cuts every region along the planes and curves of user seams.
     pub(super) fn cut_along_seams(&mut self, layout: &Layout, tolerance: f64) {
         self.seam_lines = Arc::new(self.seam_lines_of(&layout.seam_curves, tolerance));
-        let (surface, lines) = (Arc::clone(&self.surface), Arc::clone(&self.seam_lines));
+        let (face, lines) = (Arc::clone(&self.face), Arc::clone(&self.seam_lines));
         lines.iter().for_each(|l| self.refine_beside(l, BESIDE * tolerance));
         let mut cut = |height: &dyn Fn(&Vec3) -> f64| {
             for label in self.partition.distinct_labels() {
                 let fresh = self.partition.fresh_label();
-                self.cut(label, fresh, |p| height(&surface.point(p[0], p[1])));
+                self.cut(label, fresh, |p| height(&face.surface.point(p[0], p[1])));
             }
         };
         layout.seams.iter().for_each(|s| cut(&|x| s.height(x)));
@@ -176,19 +177,18 @@ impl State {
             self.partition.split_components(label);
         }
     }
+}
 
-    /// Whether no user seam runs between two regions.
-    pub(super) fn same_side(&self, seams: &[SeamPlane], a: u32, b: u32) -> bool {
-        let side = |label: u32, height: &dyn Fn(&Vec3) -> f64| {
+impl Region<'_> {
+    /// Whether no user seam runs between this region and another.
+    pub(super) fn is_on_same_side_as(&self, other: Region, seams: &[SeamPlane]) -> bool {
+        let side = |region: &Region, height: &dyn Fn(&Vec3) -> f64| {
             // The vertex farthest from the plane: those on the plane tell nothing.
-            let heights = self.partition.region_vertices(label).into_iter().map(|v| {
-                let x: Vec3 = self.jets[v as usize].jet.p;
-                height(&x)
-            });
+            let heights = region.points().into_iter().map(|x| height(&x));
             heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
         };
-        let same = |height: &dyn Fn(&Vec3) -> f64| side(a, height) == side(b, height);
-        seams.iter().all(|s| same(&|x| s.height(x))) && self.seam_lines.iter().all(|l| same(&|x| l.height(x)))
+        let same = |height: &dyn Fn(&Vec3) -> f64| side(self, height) == side(&other, height);
+        seams.iter().all(|s| same(&|x| s.height(x))) && self.state.seam_lines.iter().all(|l| same(&|x| l.height(x)))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::job::{Job, DISTANCE_SHARE};
 use super::propose::AttemptOptions;
+use super::region::Region;
 use super::state::State;
 use crate::fit::near::centre_line::centre_line;
 use crate::fit::near::dual::CentrePoint;
@@ -103,8 +104,7 @@ impl Job<'_> {
     /// Bands along a strip potential.
     pub(super) fn bands(
         &self,
-        state: &State,
-        label: u32,
+        region: Region,
         potential: &StripPotential,
         budget: usize,
         depth: usize,
@@ -116,7 +116,13 @@ impl Job<'_> {
         let run = |field: &Field| {
             let field = &Arc::new(field.clone());
             let lay = Lay { field, theory: Some(theory), strict: false, depth };
-            self.march(state.clone(), label, &lay, theory, Limit::of(&AtomicUsize::new(key(budget, RANKS - 1))))
+            self.march(
+                region.state.clone(),
+                region.label,
+                &lay,
+                theory,
+                Limit::of(&AtomicUsize::new(key(budget, RANKS - 1))),
+            )
         };
         if depth > BOTH_ENDS_DEPTH {
             return run(&potential.field);
@@ -129,16 +135,16 @@ impl Job<'_> {
     }
 
     /// Bands of a linear function, given up as soon as they exceed `limit`.
-    pub(super) fn swept(&self, state: &State, label: u32, field: &Field, limit: Limit) -> Option<State> {
-        let (lo, hi) = state.range(label, field);
+    pub(super) fn swept(&self, region: Region, field: &Field, limit: Limit) -> Option<State> {
+        let (lo, hi) = region.range(field);
         let field = &Arc::new(field.clone());
         let lay = Lay { field, theory: None, strict: true, depth: 0 };
-        self.march(state.clone(), label, &lay, 0.25 * (hi - lo), limit)
+        self.march(region.state.clone(), region.label, &lay, 0.25 * (hi - lo), limit)
     }
 
     fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: Limit) -> Option<State> {
         let before = state.panels.len();
-        let (lo, hi) = state.range(label, lay.field);
+        let (lo, hi) = state.region(label).range(lay.field);
         let whole = hi - lo;
         let mut open = vec![Rest { label, width, narrow: 0 }];
         let mut skipped = 0;
@@ -153,7 +159,7 @@ impl Job<'_> {
             if rest.narrow >= PATIENCE {
                 // The strip potential is poor here: what is left gets one of its own.
                 let budget = limit.panels().saturating_sub(used + open.len());
-                state = self.region(state, rest.label, budget, lay.depth + 1)?;
+                state = self.region_covered(state, rest.label, budget, lay.depth + 1)?;
                 continue;
             }
             match self.band(&state, &rest, lay) {
@@ -164,7 +170,7 @@ impl Job<'_> {
                 None if lay.strict => return None,
                 None => {
                     let budget = limit.panels().saturating_sub(used + open.len());
-                    let (lo, hi) = state.range(rest.label, lay.field);
+                    let (lo, hi) = state.region(rest.label).range(lay.field);
                     if hi - lo > BEHIND * width && skipped < SKIPS {
                         // The end resists: it is left behind for other means, and the march goes on beyond it.
                         skipped += 1;
@@ -175,16 +181,16 @@ impl Job<'_> {
                         for label in state.partition.split_components(end) {
                             let used = state.panels.len() - before;
                             let budget = limit.panels().saturating_sub(used + open.len() + ahead.len());
-                            state = self.region(state, label, budget, lay.depth + 1)?;
+                            state = self.region_covered(state, label, budget, lay.depth + 1)?;
                         }
                         open.extend(ahead.into_iter().map(|label| Rest { label, width, narrow: 0 }));
                         continue;
                     }
                     // A strip potential of its own may do better on what is left; the whole region must be cut.
                     state = if hi - lo < FRESH * whole {
-                        self.region(state, rest.label, budget, lay.depth + 1)?
+                        self.region_covered(state, rest.label, budget, lay.depth + 1)?
                     } else {
-                        self.halves(state, rest.label, budget, lay.depth + 1)?
+                        self.bisect(state, rest.label, budget, lay.depth + 1)?
                     };
                 }
             }
@@ -192,16 +198,10 @@ impl Job<'_> {
         Some(state)
     }
 
-    /// Bisection of a region on which bands fail.
-    fn halves(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = state.halve(label, 0)?;
-        self.parts(state, &parts, budget, depth)
-    }
-
     /// The widest acceptable band at the lower end of a region; the components of the rest go on by themselves.
     #[expect(clippy::too_many_lines, reason = "one march with its state")]
     fn band(&self, state: &State, rest: &Rest, lay: &Lay) -> Option<(State, Vec<Rest>)> {
-        let (lo, hi) = state.range(rest.label, lay.field);
+        let (lo, hi) = state.region(rest.label).range(lay.field);
         let narrowest = lay.theory.map_or((hi - lo) / 60.0, |t| NARROWEST * t);
         let mut width = rest.width;
         let mut accepted: Option<(f64, State, Vec<u32>)> = None;
@@ -231,7 +231,7 @@ impl Job<'_> {
             };
             let mut others: Vec<u32> = Vec::new();
             if !whole {
-                if trial.partition.region(rest.label).is_empty() {
+                if trial.region(rest.label).cells().is_empty() {
                     // The cut took everything.
                     return None;
                 }
@@ -242,10 +242,10 @@ impl Job<'_> {
             let mut ok = true;
             let (mut refused, mut misshapen) = (None, false);
             for &b in &bands {
-                let (lo, hi) = trial.range(b, lay.field);
-                let centre = self.centre(&trial, b, lay.field, 0.5 * (lo + hi));
+                let (lo, hi) = trial.region(b).range(lay.field);
+                let centre = self.centre(trial.region(b), lay.field, 0.5 * (lo + hi));
                 let from = from.as_deref().filter(|_| bands.len() == 1);
-                let t = self.tried(&trial, b, Some(&centre), AttemptOptions { from, ..AttemptOptions::USUAL });
+                let t = self.tried(trial.region(b), Some(&centre), AttemptOptions { from, ..AttemptOptions::USUAL });
                 match t.accepted {
                     Some(fit) => {
                         error = error.max(t.error);
@@ -301,13 +301,9 @@ impl Job<'_> {
     }
 
     /// Centre line of a band: the level of its field at the value `middle`.
-    pub(super) fn centre(&self, state: &State, label: u32, field: &Field, middle: f64) -> Vec<CentrePoint> {
-        let seed = state
-            .partition
-            .region_vertices(label)
-            .into_iter()
-            .map(|v| state.partition.vertices[v as usize])
-            .min_by(|a, b| (field.value(*a) - middle).abs().total_cmp(&(field.value(*b) - middle).abs()));
+    pub(super) fn centre(&self, region: Region, field: &Field, middle: f64) -> Vec<CentrePoint> {
+        let off = |p: &[f64; 2]| (field.value(*p) - middle).abs();
+        let seed = region.places().into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         let Some(mut seed) = seed else { return Vec::new() };
         for _ in 0..3 {
             let [f, fu, fv] = field.jet(seed[0], seed[1]);
@@ -316,8 +312,7 @@ impl Job<'_> {
                 seed = [seed[0] + (middle - f) * fu / g, seed[1] + (middle - f) * fv / g];
             }
         }
-        let size = state.bbox(label).diagonal();
-        centre_line(&self.face.surface, field, state.partition.bounds(label), seed, size)
+        centre_line(&self.face.surface, field, region.bounds(), seed, region.bbox().diagonal())
     }
 }
 

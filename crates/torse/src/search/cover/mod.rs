@@ -25,6 +25,7 @@ mod merge;
 mod prong;
 mod propose;
 mod recount;
+mod region;
 mod revolved;
 mod seam_line;
 mod signs;
@@ -56,10 +57,11 @@ pub(crate) use limits::{bent_panels, panels_needed};
 use march::SWEEP_DIRECTIONS;
 pub(in crate::search) use propose::least_bend;
 pub(crate) use recount::Recount;
+use region::Density;
+pub use region::Region;
 pub(crate) use revolved::is_all_round;
 pub(in crate::search) use revolved::{meridian, revolved};
 pub(in crate::search) use seam_line::SeamLine;
-use state::Density;
 pub use state::{Origin, State};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -165,10 +167,7 @@ pub(crate) fn check_seam_curves(
 impl<'a> Job<'a> {
     /// Covers all regions that have no torse yet; strips that have a direction field run along it, or in rings.
     fn covered(&mut self, mut state: State, directions: &DirectionField<'a>) -> State {
-        for label in state.partition.distinct_labels() {
-            if state.panels.contains_key(&label) {
-                continue;
-            }
+        for label in state.free() {
             let around = match self.options.layout.kind {
                 LayoutKind::Rings => self.rings(&mut state, label),
                 LayoutKind::Auto | LayoutKind::Strips => None,
@@ -180,7 +179,7 @@ impl<'a> Job<'a> {
             self.directions = directions;
             for part in parts {
                 let left = self.options.max_panels.saturating_sub(state.panels.len());
-                if let Some(next) = self.region(state.clone(), part, left, 0) {
+                if let Some(next) = self.region_covered(state.clone(), part, left, 0) {
                     state = next;
                 }
             }
@@ -190,7 +189,7 @@ impl<'a> Job<'a> {
 
     /// Covers the region `label` with at most `budget` panels. `None`: over budget, stopped, or out of depth.
     #[expect(clippy::too_many_lines, reason = "one story of a face, attempt by attempt")]
-    pub(crate) fn region(&self, state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+    pub(crate) fn region_covered(&self, state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
         if budget == 0 {
             return None;
         }
@@ -198,7 +197,8 @@ impl<'a> Job<'a> {
             return Some(state);
         }
         let before = state.panels.len();
-        let attempt = self.single(&state, label, None);
+        let region = state.region(label);
+        let attempt = self.single(region, None);
         if let Some(fit) = attempt.accepted {
             let mut state = state;
             state.panels.insert(label, fit);
@@ -213,7 +213,7 @@ impl<'a> Job<'a> {
         let free = matches!(self.directions, DirectionField::Free);
         let fewest = free && self.options.layout.kind == LayoutKind::Auto;
         if fewest && budget >= 2 && attempt.error < TWO_FACTOR * self.options.tolerance {
-            if let Some(next) = self.two(&state, label) {
+            if let Some(next) = self.two(region) {
                 return Some(next);
             }
         }
@@ -230,7 +230,7 @@ impl<'a> Job<'a> {
             }
         };
         let four = 4.0 * self.options.tolerance.sqrt();
-        let found = self.strip_potentials(&state, label, depth);
+        let found = self.strip_potentials(region, depth);
         let good: Vec<&StripPotential> =
             found.iter().filter(|l| !free || l.merit <= POOR * l.range).take(CANDIDATES).collect();
         let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
@@ -239,17 +239,17 @@ impl<'a> Job<'a> {
         // With more to spare, one band fewer might do: theory may ask for more than is needed.
         let full = |n: usize, spare: f64| spare < 1.0 - equidistribute::AIM * (1.0 - 1.0 / n.max(1) as f64).powi(2);
         let mut swept = false;
-        let straight = if fewest && depth <= SWEEP_DEPTH { self.straight(&state, label) } else { Vec::new() };
+        let straight = if fewest && depth <= SWEEP_DEPTH { self.straight(region) } else { Vec::new() };
         // Directions in which straight bands have been marched.
         let mut marched = 0;
         if top {
-            let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
-            if let Some((next, spare)) = self.equidistribute_straight(&state, label, &straight, curved, limit) {
+            let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(region, l));
+            if let Some((next, spare)) = self.equidistribute_straight(region, &straight, curved, limit) {
                 swept = full(next.panels.len().saturating_sub(before), spare);
                 keep(next, &mut best, &mut limit);
             } else if straight.first().is_some_and(|s| s.promised < curved.min(SWEEP_COUNT)) {
                 marched = FEW_DIRECTIONS.min(straight.len());
-                if let Some(next) = self.sweep(&state, label, limit, &straight[..marched], f64::INFINITY) {
+                if let Some(next) = self.sweep(region, limit, &straight[..marched], f64::INFINITY) {
                     keep(next, &mut best, &mut limit);
                 }
             }
@@ -263,8 +263,7 @@ impl<'a> Job<'a> {
             if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
             }
-            let even =
-                if top { self.equidistribute(&state, label, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
+            let even = if top { self.equidistribute(region, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
             let mut enough = false;
             if let Some((next, spare)) = even {
                 enough = full(next.panels.len().saturating_sub(before), spare);
@@ -273,21 +272,21 @@ impl<'a> Job<'a> {
             if enough || limit == 0 {
                 continue;
             }
-            if let Some(next) = self.bands(&state, label, l, limit, depth) {
+            if let Some(next) = self.bands(region, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
         }
         // Around a flat point of saddles no strip potential is good, even if samples do not tell.
-        let stars = if fewest { state.stars(label) } else { Vec::new() };
+        let stars = if fewest { region.stars() } else { Vec::new() };
         // Parts have no limit as long as there is no cover, and could go on for long: a sweep, which ends, gives them one.
         if top && best.is_none() && good.is_empty() && stars.is_empty() && marched < straight.len() {
-            if let Some(next) = self.sweep(&state, label, limit, &straight[marched..], f64::INFINITY) {
+            if let Some(next) = self.sweep(region, limit, &straight[marched..], f64::INFINITY) {
                 keep(next, &mut best, &mut limit);
             }
             marched = straight.len();
         }
         if limit > 0 && (good.is_empty() || !stars.is_empty()) {
-            if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
+            if let Some(next) = self.divided(region, limit, depth, &stars) {
                 keep(next, &mut best, &mut limit);
             }
         }
@@ -303,12 +302,12 @@ impl<'a> Job<'a> {
                 (f64::INFINITY, SWEEP_DIRECTIONS)
             };
             let directions = if depth > 0 { FEW_DIRECTIONS } else { directions }.clamp(marched, straight.len());
-            if let Some(next) = self.sweep(&state, label, limit, &straight[marched..directions], most) {
+            if let Some(next) = self.sweep(region, limit, &straight[marched..directions], most) {
                 keep(next, &mut best, &mut limit);
             }
         }
         if top && fewest {
-            best = best.map(|b| self.evened(&state, label, b));
+            best = best.map(|b| self.evened(region, b));
         }
         // A part that must do with what another cover leaves has had its chance: halves of it, and of every part around it in turn,
         // need no fewer panels, and are without number.
@@ -325,11 +324,11 @@ impl<'a> Job<'a> {
 
     /// Strip potentials of a region, the one that promises the fewest panels first; the first region of a face, worth
     /// more than small remainders, has them sought in two spaces.
-    fn strip_potentials(&self, state: &State, label: u32, depth: usize) -> Vec<StripPotential> {
-        let places = state.places(label);
+    fn strip_potentials(&self, region: Region, depth: usize) -> Vec<StripPotential> {
+        let places = region.places();
         if !matches!(self.directions, DirectionField::Free) {
             let samples_and_spans = if depth > 0 { (700, 2) } else { (1500, 3) };
-            return self.directed_strip_potentials(&self.directions, state, label, samples_and_spans);
+            return self.directed_strip_potentials(&self.directions, region, samples_and_spans);
         }
         let attempt = |samples: usize, spans: usize, keep: usize| {
             let options = StripPotentialOptions {
@@ -338,7 +337,7 @@ impl<'a> Job<'a> {
                 control: self.control.clone(),
                 ..StripPotentialOptions::default()
             };
-            strip_potentials(&state.forms(label, samples), &places, &options)
+            strip_potentials(&region.forms(samples), &places, &options)
         };
         if depth > 0 {
             let mut found = attempt(700, 2, 2);
@@ -347,28 +346,28 @@ impl<'a> Job<'a> {
         }
         let (coarse, fine) = parallel::join(|| attempt(700, 2, 3), || attempt(1500, 3, 3));
         let mut found: Vec<(f64, StripPotential)> =
-            coarse.into_iter().chain(fine).map(|l| (self.bands_predicted(state, label, &l), l)).collect();
+            coarse.into_iter().chain(fine).map(|l| (self.bands_predicted(region, &l), l)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|f| f.1).collect()
     }
 
     /// Number of panels that bands of the theoretical width would be, in as many pieces as they fall into, raised where
     /// the strip potential falls short.
-    fn bands_predicted(&self, state: &State, label: u32, l: &StripPotential) -> f64 {
+    fn bands_predicted(&self, region: Region, l: &StripPotential) -> f64 {
         let width = 4.0 * self.options.tolerance.sqrt();
-        let region = state.partition.region(label);
-        let value = |t: usize| l.field.value(centroid(state.partition.corners(t)));
-        let lo = region.iter().map(|&t| value(t)).fold(f64::INFINITY, f64::min);
+        let (partition, cells) = (&region.state.partition, region.cells());
+        let value = |t: usize| l.field.value(centroid(partition.corners(t)));
+        let lo = cells.iter().map(|&t| value(t)).fold(f64::INFINITY, f64::min);
         let bands: HashMap<usize, i64> =
-            region.iter().map(|&t| (t, ((value(t) - lo) / width).floor().min(1e6) as i64)).collect();
-        let pieces = state.partition.components(&region, |a, b| bands[&a] == bands[&b]).len();
+            cells.iter().map(|&t| (t, ((value(t) - lo) / width).floor().min(1e6) as i64)).collect();
+        let pieces = partition.components(&cells, |a, b| bands[&a] == bands[&b]).len();
         pieces as f64 * l.merit / l.range
     }
 
     /// The directions of a sweep; the one that promises the fewest bands first.
-    fn straight(&self, state: &State, label: u32) -> Vec<Straight> {
-        let bounds = state.partition.bounds(label);
-        let forms = state.forms(label, 100);
+    fn straight(&self, region: Region) -> Vec<Straight> {
+        let bounds = region.bounds();
+        let forms = region.forms(100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
         let four = 4.0 * self.options.tolerance.sqrt();
@@ -389,8 +388,7 @@ impl<'a> Job<'a> {
     /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::equidistribute`].
     fn equidistribute_straight(
         &self,
-        state: &State,
-        label: u32,
+        region: Region,
         directions: &[Straight],
         curved: f64,
         budget: usize,
@@ -399,18 +397,18 @@ impl<'a> Job<'a> {
             .iter()
             .take(CANDIDATES)
             .filter(|s| s.promised < curved && s.promised <= budget as f64)
-            .find_map(|s| self.equidistribute(state, label, &s.field, (s.promised, &s.density), budget))
+            .find_map(|s| self.equidistribute(region, &s.field, (s.promised, &s.density), budget))
     }
 
     /// Straight bands marched in those of several directions that promise fewer than `most`; the fewest win (C5b).
-    fn sweep(&self, state: &State, label: u32, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
+    fn sweep(&self, region: Region, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
-        let before = state.panels.len();
+        let before = region.state.panels.len();
         // Without a limit, directions of which nothing can be said are tried too.
         let tried = directions.iter().enumerate().filter(|(_, s)| most.is_infinite() || s.promised < most);
         let found = parallel::map(tried, |(rank, s)| {
             let most = s.most_swept();
-            let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank, most })?;
+            let next = self.swept(region, &s.field, march::Limit { best: &incumbent, rank, most })?;
             let n = next.panels.len() - before;
             incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
             Some((n, rank, next))
@@ -420,21 +418,21 @@ impl<'a> Job<'a> {
 
     /// Cuts a region for which no strip potential is good, where the parts together promise fewer strips (C4): by sign, in
     /// halves, or through a flat point.
-    fn divided(&self, state: &State, label: u32, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
+    fn divided(&self, region: Region, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
-        let rate = |s: &State, l: u32| {
+        let rate = |part: Region| {
             let options =
                 StripPotentialOptions { rounds: 3, control: self.control.clone(), ..StripPotentialOptions::default() };
-            strip_potential(&s.forms(l, 160), &s.places(l), &options)
+            strip_potential(&part.forms(160), &part.places(), &options)
         };
         let candidates: Vec<(f64, State, Vec<u32>)> = parallel::map(0..4 + stars.len(), |k| {
-            let mut s = state.clone();
+            let mut s = region.state.clone();
             let parts = match k {
-                0 => self.cut_by_sign(&mut s, label)?,
-                1..4 => s.halve(label, k - 1)?,
-                _ => stars[k - 4].cut(&mut s, label)?,
+                0 => s.cut_by_sign(region.label)?,
+                1..4 => s.halve(region.label, k - 1)?,
+                _ => stars[k - 4].cut(&mut s, region.label)?,
             };
-            let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
+            let merit: f64 = parts.iter().map(|&p| rate(s.region(p)).map_or(0.0, |l| l.merit) + four).sum();
             Some((merit, s, parts))
         })
         .into_iter()
@@ -453,7 +451,7 @@ impl<'a> Job<'a> {
         for (i, &p) in parts.iter().enumerate() {
             let used = state.panels.len() - before;
             let rest = parts.len() - 1 - i;
-            state = self.region(state, p, budget.checked_sub(used + rest)?, depth + 1)?;
+            state = self.region_covered(state, p, budget.checked_sub(used + rest)?, depth + 1)?;
         }
         Some(state)
     }
@@ -470,9 +468,9 @@ impl<'a> Job<'a> {
 /// the best. `None` where no strip potential covers the face: planes, mixed curvature.
 pub(crate) fn band_range(face: &Face) -> Option<f64> {
     let state = State::of_face(face, f64::INFINITY).ok()?;
-    let places = state.places(0);
+    let region = state.region(0);
     let options = StripPotentialOptions { spans: 3, ..StripPotentialOptions::default() };
-    let best = strip_potentials(&state.forms(0, 1500), &places, &options).into_iter().next()?;
+    let best = strip_potentials(&region.forms(1500), &region.places(), &options).into_iter().next()?;
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
@@ -480,7 +478,8 @@ pub(crate) fn band_range(face: &Face) -> Option<f64> {
 pub(crate) fn strip_range(face: &Face) -> Option<f64> {
     let state = State::of_face(face, f64::INFINITY).ok()?;
     let options = StripPotentialOptions { rounds: 3, ..StripPotentialOptions::default() };
-    let best = strip_potential(&state.forms(0, 160), &state.places(0), &options)?;
+    let region = state.region(0);
+    let best = strip_potential(&region.forms(160), &region.places(), &options)?;
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
@@ -489,31 +488,27 @@ pub(crate) fn has_one_panel(face: &Face, tolerance: f64, control: &Control) -> b
     let Ok(state) = State::bare(face, tolerance) else { return false };
     let options = CoverOptions::new(tolerance);
     match state.partition.distinct_labels()[..] {
-        [label] => Job::new(face, &options, control).single(&state, label, None).accepted.is_some(),
+        [label] => Job::new(face, &options, control).single(state.region(label), None).accepted.is_some(),
         _ => false,
     }
 }
 
 impl Job<'_> {
     /// A torse that is proven on a region, from those that were tried on about the same, else without.
-    pub(crate) fn laid_anew<'a>(
-        &self,
-        state: &State,
-        label: u32,
-        from: impl Iterator<Item = &'a Arc<Fit>>,
-    ) -> Option<Arc<Fit>> {
-        let samples = state.dense_samples(label, Density::Band);
-        let mut tried = from.map(|fit| self.proven(state, label, (**fit).clone(), samples.clone()));
-        tried.find_map(|t| t.accepted).or_else(|| self.single(state, label, None).accepted)
+    pub(crate) fn laid_anew<'a>(&self, region: Region, from: impl Iterator<Item = &'a Arc<Fit>>) -> Option<Arc<Fit>> {
+        let samples = region.dense_samples(Density::Band);
+        let mut tried = from.map(|fit| self.proven(region, (**fit).clone(), samples.clone()));
+        tried.find_map(|t| t.accepted).or_else(|| self.single(region, None).accepted)
     }
 
     /// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
     /// by two.
     /// `None` where neither can be proven.
-    pub(crate) fn without_sliver(&self, state: &State, label: u32) -> Option<State> {
-        let mut bare = state.clone();
-        bare.panels.remove(&label);
-        self.absorbed(&bare, label, None).or_else(|| self.as_one(&bare, label)).or_else(|| self.shared(&bare, label))
+    pub(crate) fn without_sliver(&self, region: Region) -> Option<State> {
+        let mut bare = region.state.clone();
+        bare.panels.remove(&region.label);
+        let bare = bare.region(region.label);
+        self.absorbed(bare, None).or_else(|| self.as_one(bare)).or_else(|| self.shared(bare))
     }
 
     /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
@@ -522,7 +517,7 @@ impl Job<'_> {
         let mut state = state.clone();
         for &label in refused {
             state.panels.remove(&label);
-            if let Some(next) = self.absorbed(&state, label, None) {
+            if let Some(next) = self.absorbed(state.region(label), None) {
                 state = next;
                 continue;
             }

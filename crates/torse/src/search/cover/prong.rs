@@ -2,10 +2,10 @@
 //! and are given to a neighbour where that can be proven.
 
 use super::job::Job;
+use super::region::Region;
 use super::state::State;
 use crate::geom::segment::share;
 use crate::geom::Vec3;
-use crate::patchwork::partition::edges;
 use std::sync::Arc;
 
 /// How far, in widths, a narrow part reaches beyond the rest to be a prong: ends of wedges of more than about 10° are none.
@@ -22,19 +22,10 @@ pub(super) struct Prong {
 impl Prong {
     /// The longest part of a region that is narrower than `width` (mm), as fine as its triangles; `None` if none is long, or all
     /// of the region is narrow.
-    pub(super) fn of(state: &State, label: u32, width: f64) -> Option<Self> {
-        let region = state.partition.region(label);
-        let place = |v: u32| state.jets[v as usize].jet.p;
-        let sides = state.partition.adjacency();
-        let is_own = |t: u32| state.partition.labels[t as usize] == label;
-        let border: Vec<[Vec3; 2]> = region
-            .iter()
-            .flat_map(|&t| edges(state.partition.triangles[t]))
-            .filter(|(a, b)| !sides.get(&(*b, *a)).is_some_and(|t| is_own(*t)))
-            .map(|(a, b)| [place(a), place(b)])
-            .collect();
-        let middle = |t: usize| state.partition.triangles[t].map(place).iter().sum::<Vec3>() / 3.0;
-        let middles: Vec<Vec3> = region.iter().map(|&t| middle(t)).collect();
+    pub(super) fn of(region: Region, width: f64) -> Option<Self> {
+        let state = region.state;
+        let border: Vec<[Vec3; 2]> = region.border().into_iter().map(|(a, b)| [a, b].map(|v| state.point(v))).collect();
+        let middles: Vec<Vec3> = region.cells().into_iter().map(|t| state.middle(t)).collect();
         let is_inside = |x: &Vec3| border.iter().all(|s| squared_distance(x, s) >= 0.25 * width * width);
         let (core, narrow): (Vec<Vec3>, Vec<Vec3>) = middles.iter().partition(|x| is_inside(x));
         let from_core = |tip: &Vec3| {
@@ -48,13 +39,10 @@ impl Prong {
     /// Cuts it off beside its root; its label. `None` if that separates nothing.
     fn cut_off(&self, state: &mut State, label: u32, width: f64) -> Option<u32> {
         let axis = (self.tip - self.root).normalize();
-        let surface = Arc::clone(&state.surface);
-        let height = |p: [f64; 2]| axis.dot(&(surface.point(p[0], p[1]) - self.root)) - 0.5 * width;
+        let face = Arc::clone(&state.face);
+        let height = |p: [f64; 2]| axis.dot(&(face.surface.point(p[0], p[1]) - self.root)) - 0.5 * width;
         let parts = state.parted(label, height)?;
-        let far = |t: usize| {
-            let middle = state.partition.triangles[t].iter().map(|v| state.jets[*v as usize].jet.p).sum::<Vec3>() / 3.0;
-            (middle - self.tip).norm()
-        };
+        let far = |t: usize| (state.middle(t) - self.tip).norm();
         let all = 0..state.partition.triangles.len();
         let there =
             all.filter(|t| parts.contains(&state.partition.labels[*t])).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
@@ -67,7 +55,7 @@ impl Prong {
             l => l,
         };
         state.partition.labels.iter_mut().for_each(|l| *l = renamed(*l));
-        (!state.partition.region(label).is_empty()).then_some(fresh)
+        (!state.region(label).cells().is_empty()).then_some(fresh)
     }
 }
 
@@ -76,21 +64,21 @@ fn squared_distance(x: &Vec3, [a, b]: &[Vec3; 2]) -> f64 {
     (x - a - (b - a) * share(a, b, x)).norm_squared()
 }
 
-impl State {
-    /// Whether a part of a panel that is narrower than `width` (mm) reaches far beyond the rest.
-    pub(crate) fn has_prong(&self, label: u32, width: f64) -> bool {
-        Prong::of(self, label, width).is_some()
+impl Region<'_> {
+    /// Whether a part that is narrower than `width` (mm) reaches far beyond the rest.
+    pub(crate) fn has_prong(self, width: f64) -> bool {
+        Prong::of(self, width).is_some()
     }
 }
 
 impl Job<'_> {
     /// The longest prong of a panel given to a neighbour whose torse is good for it. `None` if there is no prong, or none can
     /// have it.
-    pub(crate) fn without_prong(&self, state: &State, label: u32, width: f64) -> Option<State> {
-        let prong = Prong::of(state, label, width)?;
-        let mut cut = state.clone();
-        let part = prong.cut_off(&mut cut, label, width)?;
-        self.absorbed(&cut, part, Some(label))
+    pub(crate) fn without_prong(&self, region: Region, width: f64) -> Option<State> {
+        let prong = Prong::of(region, width)?;
+        let mut cut = region.state.clone();
+        let part = prong.cut_off(&mut cut, region.label, width)?;
+        self.absorbed(cut.region(part), Some(region.label))
     }
 }
 
@@ -118,21 +106,21 @@ mod tests {
     #[test]
     fn a_finger_is_cut_off_where_it_leaves_the_panel() {
         let mut state = state(40.0);
-        let prong = Prong::of(&state, 0, 60.0).expect("a prong");
+        let prong = Prong::of(state.region(0), 60.0).expect("a prong");
         assert!((prong.tip.x - 1000.0).abs() < 20.0 && prong.tip.y < 40.0 && prong.root.x < 400.0, "{}", prong.tip);
         let part = prong.cut_off(&mut state, 0, 60.0).expect("a part");
-        let (own, rest) = (state.area(part), state.area(0));
+        let (own, rest) = (state.region(part).area(), state.region(0).area());
         assert!((own - 600.0 * 40.0).abs() < 0.1 * own, "{own}");
         assert!((own + rest - 400.0 * 1000.0 - 600.0 * 40.0).abs() < 1e-6);
         // What is left, and regions without narrow parts, have none.
-        assert!(Prong::of(&state, 0, 60.0).is_none() && Prong::of(&state, 1, 60.0).is_none());
+        assert!(!state.region(0).has_prong(60.0) && !state.region(1).has_prong(60.0));
     }
 
     #[test]
     fn broad_parts_and_whole_slivers_are_no_prongs() {
-        assert!(Prong::of(&state(120.0), 0, 60.0).is_none());
+        assert!(!state(120.0).region(0).has_prong(60.0));
         let mut sliver = state(40.0);
         sliver.cut(0, 3, |p| p[0] - 0.4);
-        assert!(Prong::of(&sliver, 3, 60.0).is_none());
+        assert!(!sliver.region(3).has_prong(60.0));
     }
 }

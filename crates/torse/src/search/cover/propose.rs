@@ -2,7 +2,7 @@
 //! its witness becomes a sample of the next fit, for bands laid all at once with all peaks between the samples so far.
 
 use super::job::{Job, DISTANCE_SHARE};
-use super::state::{Density, State};
+use super::region::{Density, Region};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::{Obstruction, Verdict};
 use crate::fit::near::centre_line::{has_inflection, spans_along};
@@ -14,7 +14,6 @@ use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::fit::near::samples::beyond;
 use crate::fit::near::samples::{Fit, Sample};
 use crate::fit::near::{descent::RefitOptions, refit::refit};
-use crate::fit::panels::boundary::has_patch;
 use crate::torse::form::Torse;
 use std::sync::atomic::Ordering;
 use std::sync::Arc;
@@ -113,33 +112,27 @@ impl Attempt {
 
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
-    pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Attempt {
-        self.tried(state, label, centre, AttemptOptions::USUAL)
+    pub(crate) fn single(&self, region: Region, centre: Option<&[CentrePoint]>) -> Attempt {
+        self.tried(region, centre, AttemptOptions::USUAL)
     }
 
     /// The proof of what was proposed.
-    pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Attempt {
-        self.peaks_proven(state, label, fit.clone(), state.dense_samples(label, Density::Band), true)
+    pub(super) fn confirmed(&self, region: Region, fit: &Fit) -> Attempt {
+        self.peaks_proven(region, fit.clone(), region.dense_samples(Density::Band), true)
     }
 
     /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
-    pub(super) fn tried(
-        &self,
-        state: &State,
-        label: u32,
-        centre: Option<&[CentrePoint]>,
-        how: AttemptOptions,
-    ) -> Attempt {
+    pub(super) fn tried(&self, region: Region, centre: Option<&[CentrePoint]>, how: AttemptOptions) -> Attempt {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         if self.control.stopped() {
             return Attempt::failed(f64::INFINITY);
         }
         self.control.attempt();
-        let samples = state.dense_samples(label, how.density);
+        let samples = region.dense_samples(how.density);
         let control = || self.control.clone();
         let proven = |fit: Fit| {
             if how.prove {
-                self.proven(state, label, fit, samples.clone())
+                self.proven(region, fit, samples.clone())
             } else {
                 let error = fit.error;
                 Attempt { accepted: Some(Arc::new(fit)), ..Attempt::failed(error) }
@@ -177,9 +170,9 @@ impl Job<'_> {
         }
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
             let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
-            let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
+            let slender = length * length / region.area().max(f64::MIN_POSITIVE);
             let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
-            let usual = self.dual_options(state, label);
+            let usual = self.dual_options(region);
             // Slender bands need more spans; many spans on short ones come too near the regression curve.
             let mut counts = vec![usual.spans];
             if fine > usual.spans * 5 / 4 {
@@ -200,7 +193,7 @@ impl Job<'_> {
         let usual = PrimalOptions { bend_radius, control: control(), ..PrimalOptions::new(keen) };
         let wanted = centre
             .filter(|line| has_inflection(line))
-            .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, state.bbox(label).diagonal(), MOST_SPANS));
+            .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, region.bbox().diagonal(), MOST_SPANS));
         if let Some(fit) = primal(&samples, &usual.with_spans(wanted.max(usual.profile_spans))) {
             best = best.or_better(assess(fit));
         }
@@ -211,10 +204,10 @@ impl Job<'_> {
     }
 
     /// How dual torses are fitted to a band.
-    fn dual_options(&self, state: &State, label: u32) -> DualOptions {
+    fn dual_options(&self, region: Region) -> DualOptions {
         let limit = self.options.limits.min_bend_radius.unwrap_or(0.0);
         DualOptions {
-            clearance: WANTED_CLEARANCE * state.width(label),
+            clearance: WANTED_CLEARANCE * region.width(),
             bend_radius: self.wanted_bend(),
             least_bend_radius: (NEEDED.0 * WANTED_BEND * self.patch_bend()).max(NEEDED.1 * WANTED_LIMIT * limit),
             control: self.control.clone(),
@@ -239,17 +232,17 @@ impl Job<'_> {
     }
 
     /// The loop of propose, judge and refine for one torse.
-    pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, samples: Vec<Sample>) -> Attempt {
-        self.peaks_proven(state, label, first, samples, false)
+    pub(crate) fn proven(&self, region: Region, first: Fit, samples: Vec<Sample>) -> Attempt {
+        self.peaks_proven(region, first, samples, false)
     }
 
     /// As [`Job::proven`]; with `peaks` a refused torse learns those between the samples, which is worth its time where
     /// it need only be a little better.
-    fn peaks_proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>, peaks: bool) -> Attempt {
+    fn peaks_proven(&self, region: Region, first: Fit, mut samples: Vec<Sample>, peaks: bool) -> Attempt {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let triangles = state.triangles(label);
+        let triangles = region.triangles();
         let limits = &self.options.limits;
-        let clearance = (LEAST_CLEARANCE * state.width(label)).max(limits.min_clearance.unwrap_or(0.0));
+        let clearance = (LEAST_CLEARANCE * region.width()).max(limits.min_clearance.unwrap_or(0.0));
         let bend = self.least_bend();
         let (bend_radius, control) = (self.wanted_bend(), self.control.clone());
         let options = RefitOptions { bend_radius, control, ..RefitOptions::new(allowed * HOPEFUL * HOPEFUL) };
@@ -262,7 +255,7 @@ impl Job<'_> {
                 Verdict::Holds { .. }
                     if judged.min_bend_radius < bend
                         || judged.regression_clearance < clearance
-                        || !has_patch(self.face, &state.partition, label, &fit.torse) =>
+                        || !region.has_patch(&fit.torse) =>
                 {
                     return Attempt { misshapen: true, ..Attempt::failed(allowed * 1.03) };
                 }
@@ -277,7 +270,7 @@ impl Job<'_> {
                     let j = self.face.surface.jet(uv[0], uv[1]);
                     let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
                     if peaks && round == 0 {
-                        let finer = state.dense_samples(label, Density::Peaks);
+                        let finer = region.dense_samples(Density::Peaks);
                         samples.extend(beyond(&fit.torse, finer, fit.error.max(PEAK * allowed)));
                     }
                     let n = j.normal();

@@ -7,7 +7,6 @@
 use super::equidistribute::Rise;
 use super::job::{CoverOptions, Job, DISTANCE_SHARE};
 use super::state::{State, SAMPLES};
-use crate::brep::face::Face;
 use crate::fit::strip_potential::Forms;
 use crate::spline::field::Field;
 use std::sync::Arc;
@@ -51,7 +50,7 @@ impl Job<'_> {
     /// The cover with one band less or more among those of one function. `None` where none of the functions promises that, or where
     /// the panels do not become fewer, or more than by one in ten.
     pub(crate) fn recounted(&self, state: &State, recount: Recount) -> Option<State> {
-        let (face, options, control) = (self.face, &self.options, self.control);
+        let (options, control) = (&self.options, self.control);
         let chains = state.chains(options.tolerance * DISTANCE_SHARE);
         let count = |c: &BandSequence| match recount {
             Recount::Less => c.count - 1,
@@ -69,9 +68,9 @@ impl Job<'_> {
             Recount::More => chains.iter().max_by(|a, b| a.promised(a.count).total_cmp(&b.promised(b.count))),
         }?;
         let options = CoverOptions { tolerance: ACCEPTED * options.tolerance * promised(chain), ..options.clone() };
-        let job = Job::new(face, &options, control);
-        let (bare, whole) = state.without(face, chain, options.tolerance)?;
-        let next = job.roughly_laid(&bare, whole, &chain.field, &chain.rise.levels(count(chain)))?;
+        let job = Job::new(self.face, &options, control);
+        let (bare, whole) = state.without(chain, options.tolerance)?;
+        let next = job.roughly_laid(bare.region(whole), &chain.field, &chain.rise.levels(count(chain)))?;
         let (before, now) = (state.panels.len(), next.panels.len());
         let is_wanted = match recount {
             Recount::Less => now < before,
@@ -84,9 +83,9 @@ impl Job<'_> {
 impl State {
     /// The state with the bands of one function as one region, and its label. Where there is nothing else the face is triangulated
     /// anew: triangles beside borders that are gone would be thin.
-    fn without(&self, face: &Face, chain: &BandSequence, tolerance: f64) -> Option<(State, u32)> {
+    fn without(&self, chain: &BandSequence, tolerance: f64) -> Option<(State, u32)> {
         if chain.labels.len() == self.panels.len() {
-            return Some((State::bare(face, tolerance).ok()?, 0));
+            return Some((State::bare(&self.face, tolerance).ok()?, 0));
         }
         let mut out = self.clone();
         let whole = chain.labels[0];
@@ -109,7 +108,7 @@ impl State {
         }
         let chain = |(field, labels): (Arc<Field>, Vec<u32>)| {
             let band = |l: &u32| {
-                let (lo, hi) = self.range(*l, &field);
+                let (lo, hi) = self.region(*l).range(&field);
                 [lo, hi, self.panels[l].error / allowed]
             };
             let bands: Vec<[f64; 3]> = labels.iter().map(band).collect();
@@ -123,7 +122,7 @@ impl State {
         let labels = self.partition.distinct_labels();
         let each = SAMPLES / labels.len().max(1) + 1;
         let sign = |f: &Forms| f.principal().iter().map(|k| k.signum()).product::<f64>();
-        let signs: Vec<f64> = labels.iter().flat_map(|l| self.forms(*l, each)).map(|f| sign(&f)).collect();
+        let signs: Vec<f64> = labels.iter().flat_map(|l| self.region(*l).forms(each)).map(|f| sign(&f)).collect();
         signs.windows(2).all(|w| w[0] == w[1])
     }
 }

@@ -5,7 +5,8 @@ use super::band_range;
 use super::job::{CoverOptions, Job};
 use super::layout::LayoutKind;
 use super::limits::Limits;
-use super::state::{grid_lines, Density, State};
+use super::region::{Density, Region};
+use super::state::{grid_lines, State};
 use crate::brep::face::Face;
 use crate::brep::meridian::Meridian;
 use crate::brep::recognised_surface::bounds;
@@ -242,7 +243,7 @@ impl Job<'_> {
         let regions: Vec<(u32, &Fit)> =
             cones.iter().flat_map(|(fit, labels)| labels.iter().map(move |l| (*l, fit))).collect();
         let proven: Vec<(u32, Arc<Fit>)> =
-            parallel::map(regions.iter(), |(l, fit)| Some((*l, self.proven_cone(&state, *l, fit)?)))
+            parallel::map(regions.iter(), |(l, fit)| Some((*l, self.proven_cone(state.region(*l), fit)?)))
                 .into_iter()
                 .collect::<Option<_>>()?;
         if proven.len() > self.options.max_panels {
@@ -253,10 +254,10 @@ impl Job<'_> {
     }
 
     /// The fit of a region, if it is proven and keeps to the limits.
-    fn proven_cone(&self, state: &State, label: u32, fit: &Fit) -> Option<Arc<Fit>> {
-        let samples = state.dense_samples(label, Density::Usual);
+    fn proven_cone(&self, region: Region, fit: &Fit) -> Option<Arc<Fit>> {
+        let samples = region.dense_samples(Density::Usual);
         let (error, worst) = nearest_error(&fit.torse, &samples)?;
-        self.keeps(state, label, &fit.torse, 0.0).then(|| Arc::new(Fit { error, worst, ..fit.clone() }))
+        self.keeps(region, &fit.torse, 0.0).then(|| Arc::new(Fit { error, worst, ..fit.clone() }))
     }
 }
 
@@ -307,7 +308,7 @@ impl State {
     /// Labels between two parameters of the meridian.
     fn ring(&self, meridian: &Meridian, [from, to]: [f64; 2]) -> Vec<u32> {
         let inside = |label: &u32| {
-            let t = self.partition.region(*label)[0];
+            let t = self.region(*label).cells()[0];
             (from..=to).contains(&centroid(self.partition.corners(t))[meridian.along()])
         };
         self.partition.distinct_labels().into_iter().filter(inside).collect()

@@ -4,7 +4,6 @@
 //! Hills force one sign, valleys the other, saddles may take either; all costs are lengths in the metric |II|, so
 //! the labelling does not depend on the tolerance.
 
-use super::job::Job;
 use super::state::State;
 use crate::num::hash::HashMap;
 use crate::num::max_flow::LabelGraph;
@@ -25,20 +24,20 @@ const SMOOTHNESS: f64 = 1e-2;
 /// A labelling with less than this share of the area on one side is no cut.
 const LEAST_SHARE: f64 = 0.02;
 
-impl Job<'_> {
+impl State {
     /// Cuts a region between the parts that want different signs; labels of all parts, or `None` if one sign serves
     /// the whole region.
-    pub(super) fn cut_by_sign(&self, state: &mut State, label: u32) -> Option<Vec<u32>> {
-        let tris = state.partition.region(label);
-        let size = state.bbox(label).diagonal();
+    pub(super) fn cut_by_sign(&mut self, label: u32) -> Option<Vec<u32>> {
+        let region = self.region(label);
+        let (tris, size) = (region.cells(), region.bbox().diagonal());
         let mut index: HashMap<(u32, u32), usize> = HashMap::default();
         let mut density = Vec::with_capacity(tris.len());
         let mut unary = Vec::with_capacity(tris.len());
         for &t in &tris {
-            let area = state.triangle_area(t);
+            let area = self.triangle_area(t);
             let (mut x, mut k, mut elliptic, mut count) = (0.0, 0.0, false, 0.0);
-            for v in state.partition.triangles[t] {
-                let Some([k1, k2]) = state.curvatures(v) else { continue };
+            for v in self.partition.triangles[t] {
+                let Some([k1, k2]) = self.curvatures(v) else { continue };
                 let (a, b) = (k1.max(0.0), (-k2).max(0.0));
                 if a + b > 0.0 {
                     x += b / (a + b);
@@ -59,17 +58,17 @@ impl Job<'_> {
         }
         let mut graph = LabelGraph::new(unary);
         for (i, &t) in tris.iter().enumerate() {
-            for (a, b) in edges(state.partition.triangles[t]) {
+            for (a, b) in edges(self.partition.triangles[t]) {
                 let key = (a.min(b), a.max(b));
                 if let Some(j) = index.insert(key, i) {
-                    let length = (state.jets[a as usize].jet.p - state.jets[b as usize].jet.p).norm();
+                    let length = (self.point(a) - self.point(b)).norm();
                     graph.pair(i, j, STAIRS * 0.5 * (density[i] + density[j]) * length);
                 }
             }
         }
         let labels = graph.labelling();
         let area = |want: bool| -> f64 {
-            tris.iter().zip(&labels).filter(|(_, l)| **l == want).map(|(&t, _)| state.triangle_area(t)).sum()
+            tris.iter().zip(&labels).filter(|(_, l)| **l == want).map(|(&t, _)| self.triangle_area(t)).sum()
         };
         let (zero, one) = (area(false), area(true));
         if zero.min(one) < LEAST_SHARE * (zero + one) {
@@ -79,16 +78,11 @@ impl Job<'_> {
             .iter()
             .zip(&labels)
             .map(|(&t, &l)| {
-                (crate::patchwork::partition::centroid(state.partition.corners(t)), if l { -1.0 } else { 1.0 })
+                (crate::patchwork::partition::centroid(self.partition.corners(t)), if l { -1.0 } else { 1.0 })
             })
             .collect();
-        let field = smooth(state.partition.bounds(label), &places)?;
-        let fresh = state.partition.fresh_label();
-        state.cut(label, fresh, |p| field.value(p));
-        let mut parts = state.partition.split_components(label);
-        parts.extend(state.partition.split_components(fresh));
-        parts.retain(|p| state.partition.labels.contains(p));
-        (parts.len() > 1).then_some(parts)
+        let field = smooth(self.region(label).bounds(), &places)?;
+        self.parted(label, |p| field.value(p))
     }
 }
 

@@ -2,12 +2,11 @@
 
 use super::seam_line::SeamLine;
 use crate::brep::face::Face;
-use crate::fit::near::samples::{Fit, Sample};
+use crate::fit::near::samples::Fit;
 use crate::fit::near::tangent_envelope::ROUNDING;
 use crate::fit::strip_potential::Forms;
-use crate::geom::{BBox, Vec3};
-use crate::num::hash::HashSet;
-use crate::patchwork::partition::{edges, Partition};
+use crate::geom::Vec3;
+use crate::patchwork::partition::Partition;
 use crate::patchwork::triangulate::{triangulate, TriangulateError};
 use crate::spline::field::Field;
 use crate::spline::surface::{Surface, SurfaceJet};
@@ -34,22 +33,11 @@ pub struct Origin {
     pub paper_estimate: f64,
 }
 
-/// How dense a region is sampled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Density {
-    /// For a first opinion: what is between the samples is left to the proof.
-    Usual,
-    /// Errors of bands peak between their borders: denser across them, so that these peaks are seen.
-    Band,
-    /// Twice as dense in every direction, for what a proof has refused.
-    Peaks,
-}
-
-/// A face in the making: its surface, its regions and the torses found for them.
+/// A face in the making: its regions and the torses found for them.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// The surface of the face.
-    pub surface: Arc<Surface>,
+    /// The face.
+    pub face: Arc<Face>,
     /// Regions.
     pub partition: Partition,
     /// Surface at the partition's vertices.
@@ -109,7 +97,7 @@ impl State {
             face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
         let partition = triangulate(&loops, &lines_u, &lines_v)?;
         let mut state = Self {
-            surface: Arc::new(s.clone()),
+            face: Arc::new(face.clone()),
             partition,
             jets: Vec::new(),
             panels: BTreeMap::new(),
@@ -133,7 +121,7 @@ impl State {
     pub fn update(&mut self) {
         for v in self.jets.len()..self.partition.vertices.len() {
             let [u, w] = self.partition.vertices[v];
-            let jet = self.surface.jet(u, w);
+            let jet = self.face.surface.jet(u, w);
             self.jets.push(VertexJet { jet, normal: unit_normal(&jet) });
         }
     }
@@ -146,105 +134,32 @@ impl State {
 
     /// Area of triangles in space by their corners, mm².
     pub fn triangle_area(&self, t: usize) -> f64 {
-        let [a, b, c] = self.partition.triangles[t].map(|v| self.jets[v as usize].jet.p);
+        let [a, b, c] = self.partition.triangles[t].map(|v| self.point(v));
         0.5 * (b - a).cross(&(c - a)).norm()
     }
 
-    /// Area of a label, mm².
-    pub fn area(&self, label: u32) -> f64 {
-        self.partition.region(label).into_iter().map(|t| self.triangle_area(t)).sum()
+    /// Middle of a triangle in space, mm.
+    pub(in crate::search) fn middle(&self, t: usize) -> Vec3 {
+        self.partition.triangles[t].iter().map(|&v| self.point(v)).sum::<Vec3>() / 3.0
     }
 
-    /// Mean width of a label: area over the diagonal of its box, mm.
-    pub fn width(&self, label: u32) -> f64 {
-        self.area(label) / self.bbox(label).diagonal().max(f64::MIN_POSITIVE)
+    /// A vertex in space, mm.
+    pub(in crate::search) fn point(&self, v: u32) -> Vec3 {
+        self.jets[v as usize].jet.p
     }
 
-    /// Samples at the vertices of a label, weighted by area.
-    pub fn samples(&self, label: u32) -> Vec<Sample> {
-        let mut weight: BTreeMap<u32, f64> = BTreeMap::new();
-        for t in self.partition.region(label) {
-            let a = self.triangle_area(t) / 3.0;
-            for v in self.partition.triangles[t] {
-                *weight.entry(v).or_insert(0.0) += a;
-            }
-        }
-        weight
-            .into_iter()
-            .map(|(v, weight)| {
-                let j = &self.jets[v as usize];
-                Sample { x: j.jet.p, n: j.normal, weight }
-            })
-            .collect()
-    }
-
-    /// As [`State::samples`], with further samples (of no weight) inside the triangles of thin regions, which have few
-    /// vertices across, and of small ones.
-    pub fn dense_samples(&self, label: u32, density: Density) -> Vec<Sample> {
-        let (across, finer) = match density {
-            Density::Usual => (2, 1),
-            Density::Band => (3, 1),
-            Density::Peaks => (3, 2),
-        };
-        // Regions of fewer than about five cells across have more vertices than this share of their triangles.
-        const THIN: f64 = 0.6;
-        // Samples that a region has at least.
-        const FEWEST_SAMPLES: usize = 300;
-        let region = self.partition.region(label);
-        let mut out = self.samples(label);
-        let thin = out.len() as f64 > THIN * region.len() as f64;
-        let enough = (1..FEWEST_SAMPLES).find(|m| region.len() * m * m / 2 >= FEWEST_SAMPLES).unwrap_or(1);
-        let parts = if thin { enough.max(across) } else { enough } * finer;
-        let mut add = |u: f64, v: f64| {
-            let jet = self.surface.jet(u, v);
-            out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
-        };
-        let mut sides: Vec<(u32, u32)> = region
-            .iter()
-            .flat_map(|&t| edges(self.partition.triangles[t]))
-            .map(|(a, b)| (a.min(b), a.max(b)))
-            .collect();
-        sides.sort_unstable();
-        sides.dedup();
-        for (a, b) in sides {
-            let [p, q] = [a, b].map(|v| self.partition.vertices[v as usize]);
-            for k in 1..parts {
-                let s = k as f64 / parts as f64;
-                add(p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1]));
-            }
-        }
-        for &t in &region {
-            let [p, q, r] = self.partition.corners(t);
-            for (i, j) in (1..parts).flat_map(|i| (1..parts - i).map(move |j| (i, j))) {
-                let (s, t) = (i as f64 / parts as f64, j as f64 / parts as f64);
-                let at = |d: usize| p[d] + s * (q[d] - p[d]) + t * (r[d] - p[d]);
-                add(at(0), at(1));
-            }
-        }
-        out
-    }
-
-    /// Fundamental forms at up to `count` vertices of a label, poles left out.
-    pub fn forms(&self, label: u32, count: usize) -> Vec<Forms> {
-        let vertices = self.partition.region_vertices(label);
-        let usable: Vec<u32> =
-            vertices.into_iter().filter(|&v| self.jets[v as usize].normal.norm_squared() > 0.5).collect();
-        let picked = spread(&usable, count, |v| self.jets[v as usize].jet.p);
-        picked.into_iter().map(|v| self.form_at(v)).collect()
-    }
-
-    /// Parameters of all vertices of a label.
-    pub fn places(&self, label: u32) -> Vec<[f64; 2]> {
-        self.partition.region_vertices(label).into_iter().map(|v| self.partition.vertices[v as usize]).collect()
+    /// Whether the parametrisation is regular at a vertex.
+    pub(super) fn is_regular(&self, v: u32) -> bool {
+        self.jets[v as usize].normal.norm_squared() > 0.5
     }
 
     /// Principal curvatures at a vertex, larger first, 1/mm; `None` at poles.
-    pub fn curvatures(&self, v: u32) -> Option<[f64; 2]> {
-        let j = &self.jets[v as usize];
-        (j.normal.norm_squared() > 0.5).then(|| self.form_at(v).principal())
+    pub(super) fn curvatures(&self, v: u32) -> Option<[f64; 2]> {
+        self.is_regular(v).then(|| self.forms_at(v).principal())
     }
 
-    fn form_at(&self, v: u32) -> Forms {
+    /// Fundamental forms at a vertex.
+    pub(super) fn forms_at(&self, v: u32) -> Forms {
         let j = &self.jets[v as usize];
         let (s, n) = (&j.jet, &j.normal);
         Forms {
@@ -253,50 +168,16 @@ impl State {
             second: s.second_form(n),
         }
     }
-
-    /// Corner parameters of a label's triangles.
-    pub fn triangles(&self, label: u32) -> Vec<[[f64; 2]; 3]> {
-        self.partition.region(label).into_iter().map(|t| self.partition.corners(t)).collect()
-    }
-
-    /// Box of a label in space.
-    pub fn bbox(&self, label: u32) -> BBox {
-        BBox::of(self.partition.region_vertices(label).iter().map(|&v| &self.jets[v as usize].jet.p))
-    }
 }
 
 /// Unit normal; zero where the parametrisation collapses.
-fn unit_normal(jet: &SurfaceJet) -> Vec3 {
+pub(super) fn unit_normal(jet: &SurfaceJet) -> Vec3 {
     let n = jet.normal();
     let size = jet.du.norm() * jet.dv.norm();
     if n.norm() > ROUNDING * size && size > 0.0 {
         n.normalize()
     } else {
         Vec3::zeros()
-    }
-}
-
-/// At most `count` of the items, spread evenly in space: one per voxel, voxels growing until few enough are left.
-fn spread(items: &[u32], count: usize, place: impl Fn(u32) -> Vec3) -> Vec<u32> {
-    if items.len() <= count {
-        return items.to_vec();
-    }
-    let bbox = BBox::of(items.iter().map(|&v| place(v)).collect::<Vec<_>>().iter());
-    let mut size = bbox.diagonal() / (count as f64).sqrt() * 0.5;
-    loop {
-        let mut taken = HashSet::default();
-        let picked: Vec<u32> = items
-            .iter()
-            .copied()
-            .filter(|&v| {
-                let q = (place(v) - bbox.min) / size;
-                taken.insert((q.x as i64, q.y as i64, q.z as i64))
-            })
-            .collect();
-        if picked.len() <= count || !(size.is_finite() && size > 0.0) {
-            return picked;
-        }
-        size *= 1.15;
     }
 }
 

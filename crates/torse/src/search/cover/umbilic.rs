@@ -8,6 +8,7 @@
 //! Cuts are straight in the parameters, in the directions that lines of curvature have near the flat point; farther out
 //! they only come near these. Of several flat points the flattest is served; the others are found in the parts.
 
+use super::region::Region;
 use super::state::{State, SAMPLES};
 use crate::spline::surface::Surface;
 use std::f64::consts::{PI, TAU};
@@ -55,19 +56,20 @@ impl Star {
     }
 }
 
-impl State {
-    /// The cuts of both kinds through the flattest point of a region, if directions around it turn as around a monkey
+impl Region<'_> {
+    /// The cuts of both kinds through the flattest point, if directions around it turn as around a monkey
     /// saddle.
-    pub(super) fn stars(&self, label: u32) -> Vec<Star> {
+    pub(super) fn stars(&self) -> Vec<Star> {
         let bend = |k: [f64; 2]| k[0].abs().max(k[1].abs());
-        let forms = self.forms(label, SAMPLES);
+        let forms = self.forms(SAMPLES);
         let bent = forms.iter().map(|f| (bend(f.principal()), f.uv)).filter(|f| f.0.is_finite());
         let Some(least) = bent.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
-        let size = self.bbox(label).diagonal();
-        let centre = flattest(&self.surface, least.1, size);
-        let Some((saddle, circle)) = around(&self.surface, centre, RADIUS * size) else { return Vec::new() };
+        let size = self.bbox().diagonal();
+        let surface = &self.state.face.surface;
+        let centre = flattest(surface, least.1, size);
+        let Some((saddle, circle)) = around(surface, centre, RADIUS * size) else { return Vec::new() };
         // A flat point at the border, as cuts leave it, is in nobody's way.
-        let triangles = self.triangles(label);
+        let triangles = self.triangles();
         let inside = |p: &[f64; 2]| triangles.iter().any(|t| contains(t, p));
         if circle.iter().step_by(PLACES / 12).all(inside) {
             saddle
@@ -209,7 +211,7 @@ mod tests {
     fn a_monkey_saddle_has_three_cuts_of_either_kind() {
         let face = graph(|x, y| 0.05 * (cube(x) - 3.0 * x * square(y)));
         let mut state = State::of_face(&face, f64::INFINITY).expect("a state");
-        let found = state.stars(0);
+        let found = state.region(0).stars();
         // z = r³ cos 3θ: lines of curvature leave the middle where 3θ is a multiple of π.
         let degrees: Vec<[f64; 3]> = found.iter().map(|s| s.angles.map(f64::to_degrees)).collect();
         assert_eq!(degrees.len(), 2);
@@ -219,14 +221,14 @@ mod tests {
             assert!(fits, "{angles:?}");
         }
         assert!(found[0].centre.iter().all(|x| x.abs() < 1e-6), "{:?}", found[0].centre);
-        let before = state.area(0);
+        let before = state.region(0).area();
         let parts = found[1].cut(&mut state, 0).expect("parts");
         assert_eq!(parts.len(), 3);
-        let areas: Vec<f64> = parts.iter().map(|&p| state.area(p)).collect();
+        let areas: Vec<f64> = parts.iter().map(|&p| state.region(p).area()).collect();
         assert!((areas.iter().sum::<f64>() - before).abs() < 1e-3 * before);
         assert!(areas.iter().all(|a| *a > 0.25 * before), "{areas:?}");
         // Each part has the flat point at its border.
-        assert!(parts.iter().all(|&p| state.stars(p).is_empty()));
+        assert!(parts.iter().all(|&p| state.region(p).stars().is_empty()));
     }
 
     #[test]
@@ -241,7 +243,7 @@ mod tests {
         for (i, f) in shapes.into_iter().enumerate() {
             let face = graph(f);
             let state = State::of_face(&face, f64::INFINITY).expect("a state");
-            assert_eq!(state.stars(0), [], "{i}");
+            assert_eq!(state.region(0).stars(), [], "{i}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What is asked of all regions of a face at once, and cuts through all of them: docs/algorithms/cover.md.
 
-use super::halve::axes_of;
+use super::region::axes_of;
 use super::state::{State, SAMPLES};
 use crate::brep::face::Face;
 use crate::control::Control;
@@ -22,15 +22,23 @@ impl State {
         Ok(state)
     }
 
+    /// Labels without a torse.
+    pub(super) fn free(&self) -> Vec<u32> {
+        let mut labels = self.partition.distinct_labels();
+        labels.retain(|l| !self.panels.contains_key(l));
+        labels
+    }
+
     /// Whether every region has a torse.
     pub(super) fn is_complete(&self) -> bool {
-        self.partition.distinct_labels().iter().all(|l| self.panels.contains_key(l))
+        self.free().is_empty()
     }
 
     /// Width (mm) of a strip at the 90 % quantile of curvature (B2), endless on planes.
     fn typical_strip(&self, tolerance: f64) -> f64 {
         let mut k: Vec<f64> = self
-            .forms(0, SAMPLES)
+            .region(0)
+            .forms(SAMPLES)
             .iter()
             .map(|f| f.principal().map(f64::abs).into_iter().fold(0.0, f64::max))
             .filter(|k| k.is_finite())
@@ -54,15 +62,11 @@ impl State {
     /// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer. The
     /// fits are as good as `control` leaves time for.
     pub fn fill(&mut self, control: &Control) {
-        for label in self.partition.distinct_labels() {
-            if !self.panels.contains_key(&label) {
-                let samples = self.samples(label);
-                let options = PrimalOptions { control: control.clone(), ..PrimalOptions::new(0.0) };
-                let fit = primal(&samples, &options).or_else(|| crate::fit::near::plane::plane(&samples));
-                if let Some(fit) = fit {
-                    self.panels.insert(label, Arc::new(fit));
-                }
-            }
+        for label in self.free() {
+            let samples = self.region(label).samples();
+            let options = PrimalOptions { control: control.clone(), ..PrimalOptions::new(0.0) };
+            let fit = primal(&samples, &options).or_else(|| crate::fit::near::plane::plane(&samples));
+            self.panels.extend(fit.map(|fit| (label, Arc::new(fit))));
         }
     }
 

@@ -125,9 +125,9 @@ pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<Face
     let domed = 1;
     let before = state.partition.triangles.len();
     state.cut(0, domed, bend);
-    let whole = state.area(0) + state.area(domed);
+    let whole = state.region(0).area() + state.region(domed).area();
     let mut left = Vec::new();
-    let area = state.area(domed);
+    let area = state.region(domed).area();
     if area > 0.0 {
         left.push((LeftOut::Domed { entity: face.entity, percent: 100.0 * area / whole }, area));
     }
@@ -136,7 +136,7 @@ pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<Face
     let jets: Vec<SurfaceJet> = state.jets.iter().map(|j| j.jet).collect();
     let mut out = Vec::new();
     for label in labels {
-        let area = state.area(label);
+        let area = state.region(label).area();
         if area < SLIVER * whole {
             left.push((LeftOut::Sliver { entity: face.entity }, area));
             continue;

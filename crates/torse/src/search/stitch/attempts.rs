@@ -399,7 +399,7 @@ impl Attempts<'_> {
         let along_lines = next.redrawn(&joined.lines);
         if let Some(crossing) = along_lines.as_ref().err().filter(|c| !c.is_empty()) {
             // Lines cross where a strip has become nothing: the smaller of both.
-            let smaller = |[a, b]: &[u32; 2]| if base.area(*a) < base.area(*b) { *a } else { *b };
+            let smaller = |[a, b]: &[u32; 2]| if base.region(*a).area() < base.region(*b).area() { *a } else { *b };
             return Err(without(crossing.iter().map(smaller).collect()));
         }
         let along_lines = along_lines.ok();
@@ -447,8 +447,8 @@ impl Attempts<'_> {
         }
         for label in labels {
             let fits = [base, &state].map(|s| s.panels.get(label).cloned());
-            let found =
-                Job::new(self.face, self.wanted, self.control).laid_anew(&state, *label, fits.iter().flatten())?;
+            let found = Job::new(self.face, self.wanted, self.control)
+                .laid_anew(state.region(*label), fits.iter().flatten())?;
             state.panels.insert(*label, found);
         }
         Some(state)
@@ -625,7 +625,7 @@ impl State {
     /// The state with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
     fn redrawn(&self, lines: &[JoinedLine]) -> Result<State, Vec<[u32; 2]>> {
         let lines: Vec<NewBorder> = lines.iter().map(|l| NewBorder { labels: l.labels, uv: &l.uv }).collect();
-        let (u, v) = (self.surface.knots_u.breaks(), self.surface.knots_v.breaks());
+        let (u, v) = (self.face.surface.knots_u.breaks(), self.face.surface.knots_v.breaks());
         Ok(self.with_partition(self.partition.redrawn(&lines, [&u, &v])?))
     }
 

@@ -425,7 +425,7 @@ impl Pair<'_> {
         let sign = across[last / 2][1].signum();
         let ways: Vec<f64> = across.iter().map(|[difference, slope]| -difference / slope).collect();
         let reach = if self.known.is_some() { REACH.1 } else { REACH.0 };
-        let most = labels.map(|l| reach * state.area(l) / chain.length);
+        let most = labels.map(|l| reach * state.region(l).area() / chain.length);
         let crossing = across.iter().all(|[_, slope]| slope * sign > LEAST_ANGLE);
         if !crossing || ways.iter().any(|w| w.abs() > most[usize::from(*w < 0.0)]) {
             return None;
@@ -616,7 +616,7 @@ mod tests {
         let (cut, moved) = intersections.cut(&state, &[[0, 1]]);
         assert_eq!(moved, [[0, 1]]);
         let settled = intersections.settled(&cut, &moved);
-        assert!((settled.area(0) - 5500.0).abs() < 1e-6 && (settled.area(1) - 4500.0).abs() < 1e-6);
+        assert!((settled.region(0).area() - 5500.0).abs() < 1e-6 && (settled.region(1).area() - 4500.0).abs() < 1e-6);
         let borders = borders_of(&face, &settled.partition);
         let (edges, spoilt) = intersections.edges(&settled, &borders, &moved);
         assert!(edges.len() == 1 && spoilt.is_empty());

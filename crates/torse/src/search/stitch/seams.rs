@@ -133,7 +133,7 @@ impl State {
     /// The state with another partition of the same labels.
     pub(crate) fn with_partition(&self, partition: Partition) -> State {
         let mut out = State {
-            surface: Arc::clone(&self.surface),
+            face: Arc::clone(&self.face),
             partition,
             jets: Vec::new(),
             panels: self.panels.clone(),

@@ -66,7 +66,7 @@ pub(crate) struct LaidFace {
 pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidFace> {
     let asked = ExactOptions { goal: CLOSE.0 * tolerance, accepted: CLOSE.1 * tolerance };
     let (mut state, rulings, turn) = triangles(face)?;
-    let fit = (turn <= MOST_TURN).then(|| exact(&rulings, &state.samples(0), &asked))??;
+    let fit = (turn <= MOST_TURN).then(|| exact(&rulings, &state.region(0).samples(), &asked))??;
     state.panels.insert(0, Arc::new(fit));
     let mut built = build(0, face, &state, tolerance).0;
     let [pattern] = <[Pattern; 1]>::try_from(built.patterns).ok()?;
