@@ -66,7 +66,7 @@ fn cover_with_proofs(bencher: divan::Bencher) {
         limits: Limits::default(),
         layout: Layout::default(),
     };
-    bencher.bench(|| cover(&face, &options, &Control::default()).expect("a cover").state.panels.len());
+    bencher.bench(|| cover(&face, &options, &Control::default()).expect("a cover").panels.len());
 }
 
 /// The last proof, of panels as they are written.

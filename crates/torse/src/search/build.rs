@@ -155,21 +155,14 @@ pub(crate) fn borders_cut_at<'a>(face: &'a Face, partition: &'a Partition, cuts:
 }
 
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
-pub(crate) fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
+pub(crate) fn build(index: usize, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
     // The proof has its own clock: what was found is judged even when time is up.
-    build_until(index, face, state, tolerance, &Control::default())
+    build_until(index, state, tolerance, &Control::default())
 }
 
 /// As [`build`], with a proof that ends, and then says nothing, when `control` stops it.
-pub(crate) fn build_until(
-    index: usize,
-    face: &Face,
-    state: &State,
-    tolerance: f64,
-    control: &Control,
-) -> (Built, Vec<u32>) {
-    let partition = smooth_borders(face, state.partition.clone(), tolerance, |_| true);
-    assessed(index, face, &state.with_partition(partition), (tolerance, control), None)
+pub(crate) fn build_until(index: usize, state: &State, tolerance: f64, control: &Control) -> (Built, Vec<u32>) {
+    assessed(index, &state.with_smooth_borders(tolerance, |_| true), (tolerance, control), None)
 }
 
 /// Strips that are to meet.
@@ -181,26 +174,19 @@ pub(crate) struct Joined<'a> {
 }
 
 /// As [`build`], on smooth borders, with strips that meet. Where a panel cannot be proven, none has a pattern.
-pub(crate) fn build_on(
-    index: usize,
-    face: &Face,
-    state: &State,
-    limits: (f64, &Control),
-    joined: Joined,
-) -> (Built, Vec<u32>) {
-    assessed(index, face, state, limits, Some(joined))
+pub(crate) fn build_on(index: usize, state: &State, limits: (f64, &Control), joined: Joined) -> (Built, Vec<u32>) {
+    assessed(index, state, limits, Some(joined))
 }
 
 /// See [`build_on`] and [`build_until`].
 fn assessed(
     index: usize,
-    face: &Face,
     state: &State,
     (tolerance, control): (f64, &Control),
     joined: Option<Joined>,
 ) -> (Built, Vec<u32>) {
-    let partition = &state.partition;
-    let mut borders = borders(face, partition);
+    let face = &*state.face;
+    let mut borders = state.borders();
     let mut assigned: Vec<Assigned> =
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
     let order = state.along_the_model();
@@ -230,12 +216,12 @@ fn assessed(
     }
     let patchwork = Patchwork {
         faces: vec![face.clone()],
-        partitions: vec![partition.clone()],
+        partitions: vec![state.partition.clone()],
         panels,
         seam_count,
         joint_count: 0,
     };
-    missing.extend(state.stray_seam(face, &patchwork, tolerance));
+    missing.extend(state.stray_seam(&patchwork, tolerance));
     let certificate = match &joined {
         Some(Joined { known, .. }) => certify::patchwork_after(known, &patchwork, tolerance, control),
         None => certify::patchwork(&patchwork, tolerance, control),
@@ -352,8 +338,33 @@ const SEAM_STRAYS: f64 = 2.0;
 const EDGE_PLACES: usize = 8;
 
 impl State {
+    /// Borders between regions.
+    pub(super) fn borders(&self) -> Borders<'_> {
+        borders(&self.face, &self.partition)
+    }
+
+    /// The state with borders between panels as smooth as the tolerance asks for, those between labels (in order) that `among`
+    /// names.
+    pub(super) fn with_smooth_borders(&self, tolerance: f64, among: impl Fn([u32; 2]) -> bool) -> Self {
+        let (s, mut partition) = (&self.face.surface, self.partition.clone());
+        let (u, v) = (s.knots_u.breaks(), s.knots_v.breaks());
+        let distance = |p: [f64; 2], q: [f64; 2]| {
+            let j = s.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
+            (j.du * (q[0] - p[0]) + j.dv * (q[1] - p[1])).norm()
+        };
+        for _ in 0..SMOOTHINGS {
+            for _ in 0..RELAXATIONS {
+                partition.relax([&u, &v]);
+            }
+            if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance, &among) == 0 {
+                break;
+            }
+        }
+        self.with_partition(partition)
+    }
+
     /// A seam asked for beside which no edge of a panel runs.
-    fn stray_seam(&self, face: &Face, patchwork: &Patchwork, tolerance: f64) -> Option<Reason> {
+    fn stray_seam(&self, patchwork: &Patchwork, tolerance: f64) -> Option<Reason> {
         if self.seam_lines.is_empty() {
             return None;
         }
@@ -362,9 +373,9 @@ impl State {
             (0..=count).map(|k| Vec3::from(c.edge.point(k as f64 / count as f64))).collect::<Vec<_>>()
         };
         let edges: Vec<Vec<Vec3>> = patchwork.panels.iter().flat_map(Panel::loops).flatten().map(polyline).collect();
-        let strays = self.seam_lines.iter().filter_map(|l| l.farthest_from(face, &edges));
+        let strays = self.seam_lines.iter().filter_map(|l| l.farthest_from(&self.face, &edges));
         let (by, at) = strays.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 > SEAM_STRAYS * tolerance)?;
-        Some(FaceReason::SeamLost { entity: face.entity, by, at }.into())
+        Some(FaceReason::SeamLost { entity: self.face.entity, by, at }.into())
     }
 
     /// The order in which panels are numbered: along the axis of the model over which their middles spread most, towards its
@@ -401,27 +412,3 @@ impl State {
 
 /// Middles of panels within this share of their spread count as side by side.
 const SIDE_BY_SIDE: f64 = 0.04;
-
-/// Makes the borders between panels as smooth as the tolerance asks for, those between labels (in order) that `among` names.
-pub(crate) fn smooth_borders(
-    face: &Face,
-    mut partition: Partition,
-    tolerance: f64,
-    among: impl Fn([u32; 2]) -> bool,
-) -> Partition {
-    let s = &face.surface;
-    let (u, v) = (s.knots_u.breaks(), s.knots_v.breaks());
-    let distance = |p: [f64; 2], q: [f64; 2]| {
-        let j = s.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
-        (j.du * (q[0] - p[0]) + j.dv * (q[1] - p[1])).norm()
-    };
-    for _ in 0..SMOOTHINGS {
-        for _ in 0..RELAXATIONS {
-            partition.relax([&u, &v]);
-        }
-        if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance, &among) == 0 {
-            break;
-        }
-    }
-    partition
-}

@@ -3,7 +3,7 @@
 
 use super::build::{build_until, limits_missed, too_large, Built};
 use super::cover::{
-    bent_panels, cover, exactly_covered, revolved, Cover, CoverOptions, Layout, Limits, Recount, SeamPlane, State,
+    bent_panels, cover, exactly_covered, revolved, CoverOptions, Layout, Limits, Recount, SeamPlane, State,
 };
 use super::joint::BorderCounts;
 use super::laid::{Laid, Task};
@@ -145,7 +145,6 @@ pub(crate) struct Covered {
 struct Apart {
     /// Whether they meet within the face as they are.
     meets: bool,
-    face: Face,
     state: State,
     options: CoverOptions,
     /// Labels of panels whose flat patterns are not proven.
@@ -177,11 +176,11 @@ impl Apart {
     /// Parts, with their state, of panels that are too large, laid anew so that they meet: their parts do so as well. `None` where
     /// parts are too many, or worse than `built`.
     fn parted(&self, (index, built): (usize, &Built), whole: Whole, control: &Control) -> Option<(State, Built)> {
-        let (face, options) = (&self.face, self.options.clone());
+        let (face, options) = (&self.state.face, self.options.clone());
         let open = unproven(&whole.built, control).into_iter().collect();
         // With fewer strips little of the tolerance would be left for the ends of parts.
         let asked = (&whole.options, &[Recount::More][..]);
-        let joined = met(index, (face, &whole.state), (whole.built, open), asked, control);
+        let joined = met(index, &whole.state, (whole.built, open), asked, control);
         let state = whole.state.of_panels(&joined)?;
         let task = Task { index, face, whole: built.certificate.tolerance, options, control };
         let (state, parts) = sheet::parted(&task, (&state, &joined), &whole.planes)?;
@@ -227,9 +226,9 @@ impl Covered {
     pub(crate) fn met(mut self, index: usize, control: &Control) -> Met {
         let mut built = match self.apart.as_mut().filter(|a| !a.meets && !control.stopped()) {
             Some(apart) => apart.in_parts((index, &self.built), control).unwrap_or_else(|| {
-                let Apart { face, state, options, unproven, .. } = apart;
+                let Apart { state, options, unproven, .. } = apart;
                 let asked = (&*options, &[Recount::Less, Recount::More][..]);
-                met(index, (face, state), (self.built, unproven.clone()), asked, control)
+                met(index, state, (self.built, unproven.clone()), asked, control)
             }),
             None => self.built,
         };
@@ -255,8 +254,8 @@ impl Met {
 
     /// The face as one whose panels are laid anew to meet those of others; `borders` says what distances count on its border.
     pub(crate) fn side<'a>(&'a self, index: usize, borders: &'a BorderCounts) -> Option<Side<'a>> {
-        let Apart { face, state, options, .. } = self.apart.as_ref()?;
-        Some(Side { index, on: (face, state), built: &self.built, wanted: options, borders })
+        let Apart { state, options, .. } = self.apart.as_ref()?;
+        Some(Side { index, state, built: &self.built, wanted: options, borders })
     }
 }
 
@@ -311,7 +310,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     // Where a limit is given up, the panels say why.
     let mut why = None;
     let mut found = match exact {
-        Some(state) => Cover { state, complete: true },
+        Some(state) => state,
         None => {
             if let Some(left) = control.remaining() {
                 let end = Instant::now() + left.mul_f64(STOPGAP_SHARE);
@@ -319,7 +318,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
             }
             let (search, reason) = wanted.search(&face, &options);
             let found = cover(&face, &options, &search)?;
-            if found.complete || control.stopped() || !search.stopped() {
+            if found.is_complete() || control.stopped() || !search.stopped() {
                 found
             } else {
                 // Without the limit of bending: panels that miss it are marked, and the rest is good.
@@ -330,26 +329,25 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
         }
     };
     let told = |built: Built| Covered { built, why, apart: None };
-    while !found.complete && !control.stopped() {
+    while !found.is_complete() && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
         options.tolerance *= COARSER;
         found = cover(&face, &options, control)?;
     }
-    let Cover { state, complete } = found;
-    if !complete {
+    if !found.is_complete() {
         // Time is up: a coarse cover of all of it says more than a fine one of a part.
-        let found = stopgap.take().or_else(|| stopgaps(index, &face, &options, (None, &wanted.grace())));
-        return Ok(told(found.unwrap_or_else(|| filled(index, &face, state, whole))));
+        let coarse = stopgap.take().or_else(|| stopgaps(index, &face, &options, (None, &wanted.grace())));
+        return Ok(told(coarse.unwrap_or_else(|| filled(index, found, whole))));
     }
     if (control.stopped() && !is_exact) || options.tolerance > tolerance {
         // What is found as time runs out is judged in a moment, or not at all.
         let clock = if control.stopped() { wanted.grace() } else { Control::default() };
-        let built = build_until(index, &face, &state, whole, &clock).0;
+        let built = build_until(index, &found, whole, &clock).0;
         let unknown = !built.certificate.deviation_bound.is_finite();
         return Ok(told(stopgap.filter(|_| unknown && control.stopped()).unwrap_or(built)));
     }
     let task = Task { index, face: &face, whole, options, control };
-    let (mut laid, mut wholes) = (task.laid(state, Vec::new()), Vec::new());
+    let (mut laid, mut wholes) = (task.laid(found, Vec::new()), Vec::new());
     if laid.accepted && !too_large(&laid.built, &task.options.limits).is_empty() {
         Fitted { laid, wholes } = sheet::fitted(&task, slivers::widened(&task, laid));
     }
@@ -370,7 +368,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     }
     let wholes = wholes.into_iter().map(|(whole, planes)| Whole::of(&task, whole, planes)).collect();
     let options = task.options_with(&seams);
-    let apart = Apart { meets, face, state, options, unproven: BTreeSet::new(), wholes };
+    let apart = Apart { meets, state, options, unproven: BTreeSet::new(), wholes };
     Ok(Covered { apart: Some(apart), ..told(built) })
 }
 
@@ -397,18 +395,18 @@ fn stopgaps(
 fn stopgap(index: usize, face: &Face, wanted: &CoverOptions, (tolerance, control): (f64, &Control)) -> Option<Built> {
     // What was asked for besides the tolerance would only take time here; what is missed is marked.
     let options = CoverOptions { tolerance, limits: Limits::default(), layout: Layout::default(), ..wanted.clone() };
-    let found = cover(face, &options, control).ok().filter(|f| f.complete)?;
-    let built = build_until(index, face, &found.state, tolerance, control).0;
+    let found = cover(face, &options, control).ok().filter(State::is_complete)?;
+    let built = build_until(index, &found, tolerance, control).0;
     built.certificate.deviation_bound.is_finite().then_some(built)
 }
 
 /// A cover that time has cut short, its gaps filled with what is near; judged with the distance of what was found, so that
 /// it has a bound where one can be shown in a moment.
-fn filled(index: usize, face: &Face, mut state: State, whole: f64) -> Built {
+fn filled(index: usize, mut state: State, whole: f64) -> Built {
     state.fill(&Control::default().until(Instant::now() + FILLING));
     let worst = state.panels.values().map(|fit| fit.error).fold(0.0, f64::max);
     let tolerance = if worst.is_finite() { whole.max(LOOSE * worst) } else { whole };
-    build_until(index, face, &state, tolerance, &Control::default().until(Instant::now() + FILLING)).0
+    build_until(index, &state, tolerance, &Control::default().until(Instant::now() + FILLING)).0
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ impl Task<'_> {
         let mut options = self.options_with(&seams);
         let mut round = 0;
         loop {
-            let (built, mut refused) = build(self.index, self.face, &state, self.whole);
+            let (built, mut refused) = build(self.index, &state, self.whole);
             // Both sides of a slit lie on one line of a plane: trims may be told apart by their errors, drawings are not.
             let slit = state
                 .panels

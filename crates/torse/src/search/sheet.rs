@@ -10,7 +10,7 @@
 //! *Not guaranteed*: the fewest panels that could be; where no way fits, the one that misses the sheet with the fewest
 //! panels.
 
-use super::build::{build_on, smooth_borders, too_large, Built, Joined};
+use super::build::{build_on, too_large, Built, Joined};
 use super::cover::{cover, exact_regions, exactly, is_developable, meridian, CoverOptions, SeamPlane, State};
 use super::laid::{Laid, Task};
 use super::stitch::parts::Wholes;
@@ -76,8 +76,8 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Fitted {
         }
         let options = CoverOptions { max_panels: task.options.max_panels.min(count), ..task.options_with(&seams) };
         let Ok(found) = cover(task.face, &options, task.control) else { break };
-        if found.complete {
-            let whole = task.laid(found.state, seams);
+        if found.is_complete() {
+            let whole = task.laid(found, seams);
             // Parts will be as many at least.
             if fits(task, &best.laid) && least_parts(task, &whole) >= count {
                 continue;
@@ -110,7 +110,7 @@ pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[Se
     let mut counts = Counts::of(&parts);
     parts = counts.base.clone();
     let known = certify::known_of(&built.certificate, &built.patchwork);
-    let wholes = Wholes { face: task.face, state, panels: &built.patchwork };
+    let wholes = Wholes { state, panels: &built.patchwork };
     if parts.panels.len() == state.panels.len() {
         let large = too_large(built, &task.options.limits);
         if large.is_empty() {
@@ -120,11 +120,9 @@ pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[Se
     }
     for _ in 0..ROUNDS {
         parts = wholes.settled(&parts);
-        let partition =
-            smooth_borders(task.face, parts.partition.clone(), task.whole, |labels| wholes.is_cut(&parts, labels));
-        parts = parts.with_partition(partition);
+        parts = parts.with_smooth_borders(task.whole, |labels| wholes.is_cut(&parts, labels));
         let joined = Joined { edges: &wholes.edges(&parts), known: &known };
-        let (next, refused) = build_on(task.index, task.face, &parts, (task.whole, task.control), joined);
+        let (next, refused) = build_on(task.index, &parts, (task.whole, task.control), joined);
         if !refused.is_empty() || task.control.stopped() || next.patchwork.panels.len() > task.options.max_panels {
             return None;
         }
@@ -206,7 +204,7 @@ fn gridded(task: &Task) -> Option<Laid> {
         let places = (0..2).flat_map(|k| wanted[k].iter().map(move |at| (k, *at)));
         let places: Vec<(usize, f64)> = places.map(|(k, at)| (k, nearest(&drawn[k], at))).collect();
         let heights: Vec<_> = places.iter().map(|&(k, at)| move |uv: [f64; 2]| uv[k] - at).collect();
-        let cut = exactly(task.face, &task.options, task.control, state.cut_where(&heights))?;
+        let cut = exactly(state.cut_where(&heights), &task.options, task.control)?;
         let cut = task.laid(cut, Vec::new());
         fits(task, &cut).then_some(cut)
     })

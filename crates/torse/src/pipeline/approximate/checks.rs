@@ -11,7 +11,7 @@ use crate::geom::BBox;
 use crate::io::words;
 use crate::search::build::AlongCurve;
 use crate::search::cover::{
-    check_curves, check_seam_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
+    check_curves, check_seam_curves, is_developable, panels_needed, CurveError, Guide, Layout, Limits,
 };
 use std::collections::BTreeSet;
 
@@ -75,16 +75,9 @@ pub(super) fn checked_number(faces: &[Face], options: &Options) -> Result<(), Ap
 
 /// A curve of the layout that is of use on no face: the error of the face that it comes nearest to.
 pub(super) fn checked_curves(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
-    let cover_options = CoverOptions {
-        tolerance: options.tolerance,
-        max_panels: usize::MAX,
-        facets: false,
-        limits: options.limits,
-        layout: Layout::default(),
-    };
     let layout = &options.layout;
     // Faces that cannot be triangulated are reported by the cover.
-    of_use(faces, layout.curves.len(), |f| check_curves(f, &layout.curves, &cover_options).ok())?;
+    of_use(faces, layout.curves.len(), |f| check_curves(f, &layout.curves, options.tolerance).ok())?;
     of_use(faces, layout.seam_curves.len(), |f| check_seam_curves(f, &layout.seam_curves, options.tolerance).ok())
 }
 

@@ -75,7 +75,7 @@ pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, co
     if options.facets || !options.layout.curves.is_empty() {
         return None;
     }
-    let state = exactly(face, options, control, exact_regions(face, options, [&[], &[]])?)?;
+    let state = exactly(exact_regions(face, options, [&[], &[]])?, options, control)?;
     (state.panels.len() <= options.max_panels).then_some(state)
 }
 
@@ -136,8 +136,9 @@ impl State {
 }
 
 /// The regions of a developable face with the torses of the surface itself, each as long as its region, proven.
-pub fn exactly(face: &Face, options: &CoverOptions, control: &Control, mut state: State) -> Option<State> {
-    let job = Job::new(face, options, control);
+pub fn exactly(mut state: State, options: &CoverOptions, control: &Control) -> Option<State> {
+    let face = Arc::clone(&state.face);
+    let job = Job::new(&face, options, control);
     for label in state.partition.distinct_labels() {
         let fit = job.exact(state.region(label))?;
         state.panels.insert(label, fit);

@@ -71,22 +71,6 @@ struct RuledTorse {
 }
 
 impl Job<'_> {
-    /// Checks curves against a face: one result for each.
-    pub(super) fn checked(&self, state: &State, curves: &[PanelCurve]) -> Vec<Result<(), CurveError>> {
-        let tolerance = self.options.tolerance;
-        curves
-            .iter()
-            .map(|c| {
-                for line in state.lines_of(c, tolerance)? {
-                    let points = resampled(&self.face.surface, &line);
-                    envelope_along(&self.face.surface, &points)
-                        .map_err(|source| CurveError::Envelope { name: c.name.clone(), source })?;
-                }
-                Ok(())
-            })
-            .collect()
-    }
-
     /// A cover along curves: panels along these and fronts from there on, and what they leave free, unless strips that run in
     /// the direction of the nearest curve are clearly fewer. Envelopes lie on one side of the face, so their strips are
     /// narrower than those that lie on both, and a front begins where the last one ended whatever is left at its end.
@@ -285,6 +269,21 @@ impl Job<'_> {
 }
 
 impl State {
+    /// Checks curves along which panels are to run: one result for each.
+    pub(super) fn checked(&self, curves: &[PanelCurve], tolerance: f64) -> Vec<Result<(), CurveError>> {
+        curves
+            .iter()
+            .map(|c| {
+                for line in self.lines_of(c, tolerance)? {
+                    let points = resampled(&self.face.surface, &line);
+                    envelope_along(&self.face.surface, &points)
+                        .map_err(|source| CurveError::Envelope { name: c.name.clone(), source })?;
+                }
+                Ok(())
+            })
+            .collect()
+    }
+
     /// Names the panel in which most of a curve lies after it.
     fn named(mut self, name: &str, lines: &[Vec<[f64; 2]>]) -> Self {
         let middles: Vec<Vec3> = (0..self.partition.triangles.len()).map(|t| self.middle(t)).collect();

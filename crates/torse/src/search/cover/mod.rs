@@ -61,7 +61,6 @@ use region::Density;
 pub use region::Region;
 pub(crate) use revolved::is_all_round;
 pub(in crate::search) use revolved::{meridian, revolved};
-pub(in crate::search) use seam_line::SeamLine;
 pub use state::{Origin, State};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -111,33 +110,24 @@ impl Straight {
     }
 }
 
-/// A covered face.
-pub struct Cover {
-    /// Regions and torses; labels without a torse could not be covered within the limits.
-    pub state: State,
-    /// Whether every region has a torse that was proven to be within the tolerance.
-    pub complete: bool,
-}
-
-/// Covers a face.
+/// Covers a face; regions without a torse could not be covered within the limits.
 ///
 /// # Errors
 /// Trim loops that cannot be triangulated.
-pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<Cover, TriangulateError> {
+pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<State, TriangulateError> {
     if let Some(state) = exactly_covered(face, options, control) {
-        return Ok(Cover { state, complete: true });
+        return Ok(state);
     }
     let mut state = State::bare(face, options.tolerance)?;
     state.cut_along_seams(&options.layout, options.tolerance);
     let mut job = Job::new(face, options, control);
-    let state = match options.layout.curves.as_slice() {
+    Ok(match options.layout.curves.as_slice() {
         [] => {
             let directions = options.layout.guide.as_ref().map_or(DirectionField::Free, DirectionField::Along);
             job.covered(state, &directions)
         }
         curves => job.along_curves(state, curves),
-    };
-    Ok(Cover { complete: state.is_complete(), state })
+    })
 }
 
 /// What is wrong with each curve of a layout on a face.
@@ -147,11 +137,9 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
 pub(crate) fn check_curves(
     face: &Face,
     curves: &[PanelCurve],
-    options: &CoverOptions,
+    tolerance: f64,
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
-    let state = State::of_face(face, f64::INFINITY)?;
-    let control = Control::default();
-    Ok(Job::new(face, options, &control).checked(&state, curves))
+    Ok(State::of_face(face, f64::INFINITY)?.checked(curves, tolerance))
 }
 
 /// As [`check_curves`], for curves of seams: any curve on a face is of use.

@@ -10,6 +10,7 @@ use crate::patchwork::partition::Partition;
 use crate::patchwork::triangulate::{triangulate, TriangulateError};
 use crate::spline::field::Field;
 use crate::spline::surface::{Surface, SurfaceJet};
+use crate::torse::form::Torse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -108,6 +109,27 @@ impl State {
         };
         state.update();
         Ok(state)
+    }
+
+    /// The state with another partition of the same labels.
+    pub(in crate::search) fn with_partition(&self, partition: Partition) -> Self {
+        let mut out = Self {
+            face: Arc::clone(&self.face),
+            partition,
+            jets: Vec::new(),
+            panels: self.panels.clone(),
+            bands: self.bands.clone(),
+            origins: self.origins.clone(),
+            seam_lines: self.seam_lines.clone(),
+            touched: self.touched,
+        };
+        out.update();
+        out
+    }
+
+    /// All torses, by label.
+    pub(in crate::search) fn torses(&self) -> BTreeMap<u32, &Torse> {
+        self.panels.iter().map(|(&label, fit)| (label, &fit.torse)).collect()
     }
 
     /// Box of all regions in the parameter plane: least and greatest u, least and greatest v.

@@ -29,8 +29,8 @@ impl State {
         labels
     }
 
-    /// Whether every region has a torse.
-    pub(super) fn is_complete(&self) -> bool {
+    /// Whether every region has a torse, which was proven to be within the tolerance unless it was [filled in](State::fill).
+    pub(in crate::search) fn is_complete(&self) -> bool {
         self.free().is_empty()
     }
 

@@ -26,7 +26,6 @@ mod strip;
 mod tests;
 mod width;
 
-use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
@@ -120,24 +119,24 @@ pub(crate) struct Joint<'a> {
 }
 
 /// A face whose strips are to be joined: its cover, the lines between them and what is asked.
-pub(crate) type Beside<'a, 'b> = (&'a Face, &'b State, Vec<SeamChain>, &'b Asked<'a>);
+pub(crate) type Beside<'a, 'b> = (&'a State, Vec<SeamChain>, &'b Asked<'a>);
 
 impl<'a> Joint<'a> {
     /// *Input*: `state` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a
     /// torse of higher degree, with samples without feet) stay as they are, and borders that close. `None` without any border
     /// left.
-    pub fn new(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
-        let fleet = Fleet::of(start::network(face, state, chains, asked)?);
+    pub fn new(state: &'a State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
+        let fleet = Fleet::of(start::network(state, chains, asked)?);
         let (start, most) = (fleet.measured(), asked.most);
         Some(Self { start, fleet, slots: vec![Some(0)], steps: Vec::new(), most })
     }
 
     /// The same of several faces, which are to meet at places besides; `None` for faces that take no part, as above.
     pub fn of_faces(faces: Vec<Option<Beside<'a, '_>>>, meetings: &[Meeting]) -> Self {
-        let most = faces.iter().flatten().map(|f| f.3.most).fold(0.0, f64::max);
+        let most = faces.iter().flatten().map(|f| f.2.most).fold(0.0, f64::max);
         let networks: Vec<Option<Network<'a>>> = faces
             .into_iter()
-            .map(|f| f.and_then(|(face, state, chains, asked)| start::network(face, state, chains, asked)))
+            .map(|f| f.and_then(|(state, chains, asked)| start::network(state, chains, asked)))
             .collect();
         let (mut fleet, slots) = Fleet::meeting(networks, meetings);
         fleet.networks.iter_mut().flat_map(|n| &mut n.members).for_each(|m| m.least *= LESS);

@@ -8,7 +8,6 @@ use super::line::{End, Line};
 use super::network::{median, nearest, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
-use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
 use crate::num::hash::HashSet;
@@ -28,11 +27,11 @@ const BEYOND: f64 = 0.03;
 const INFLECTED: f64 = 0.1;
 
 /// The network of the strips of a covered face that can take part. `None` without any line between these.
-pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
+pub(super) fn network<'a>(state: &'a State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
     let chains = whole_borders(chains);
     let mut without = asked.without.clone();
     loop {
-        match network_of_others(face, state, &chains, asked, &without) {
+        match network_of_others(state, &chains, asked, &without) {
             Ok(network) => return Some(network),
             Err(labels) if labels.is_empty() => return None,
             Err(labels) => without.extend(labels),
@@ -42,20 +41,20 @@ pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>,
 
 /// See [`network`]; without strips that were named. Errors are the labels of those that cannot take part, if there are any.
 fn network_of_others<'a>(
-    face: &'a Face,
-    state: &State,
+    state: &'a State,
     chains: &[SeamChain],
     asked: &Asked,
     without: &BTreeSet<u32>,
 ) -> Result<Network<'a>, Vec<u32>> {
     let &Asked { held, tolerance, regular, .. } = asked;
+    let face = &*state.face;
     let mut labels: Vec<u32> = state.partition.distinct_labels();
     labels.retain(|l| !without.contains(l));
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let alone = asked.borders.is_some() && chains.is_empty();
-    let found = if alone { Some((Vec::new(), 0)) } else { lines(face, state, chains, &index, held, tolerance) };
+    let found = if alone { Some((Vec::new(), 0)) } else { lines(state, chains, &index, held, tolerance) };
     let (lines, vertices) = found.ok_or_else(Vec::new)?;
-    let given = given(face, state, &index);
+    let given = given(state, &index);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
     let of_label = |k: usize| {
         let torse = &state.panels.get(&labels[k])?.torse;
@@ -247,7 +246,7 @@ struct Given {
 }
 
 /// Vertices of a partition and middles of its edges and triangles.
-fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
+fn given(state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
     let partition = &state.partition;
     let mut of_vertex = vec![None; partition.vertices.len()];
     let mut of_edge: BTreeMap<(u32, u32), usize> = BTreeMap::new();
@@ -267,7 +266,7 @@ fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given>
         })
         .collect();
     let at = |[u, v]: [f64; 2], strip: usize, on_border: bool| {
-        let j = face.surface.jet(u, v);
+        let j = state.face.surface.jet(u, v);
         let normal = j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros);
         Given { x: j.p, normal, strip, on_border }
     };
@@ -321,7 +320,6 @@ pub(crate) fn whole_borders(chains: Vec<SeamChain>) -> Vec<SeamChain> {
 /// Lines along borders between regions of strips, and the number of vertices in which they end inside the face. Borders that
 /// close, and those beside other regions, stay as they are, and so do vertices on these.
 fn lines(
-    face: &Face,
     state: &State,
     chains: &[SeamChain],
     index: &BTreeMap<u32, usize>,
@@ -357,7 +355,7 @@ fn lines(
         let held = held(c.labels);
         let bare = Line::bare(strips, [end(first), end(last)], held);
         let uv: Vec<[f64; 2]> = c.vertices.iter().map(|&v| state.partition.vertices[v as usize]).collect();
-        out.push(bare.through(face, &uv, tolerance)?);
+        out.push(bare.through(&state.face, &uv, tolerance)?);
     }
     // Vertices of lines that stay must stay.
     stays.extend(out.iter().filter(|l| l.held).flat_map(|l| l.ends).filter_map(vertex));

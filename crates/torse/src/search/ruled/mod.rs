@@ -68,7 +68,7 @@ pub(crate) fn ruled_face(
     let aim = if rest > 0.5 * options.tolerance { rest } else { options.tolerance };
     let state = State::on_lines(face, region::lines(face, 0, aim), region::lines(face, 1, aim))?;
     let map = curvature_map(face, &state.partition);
-    let (pieces, mut left) = pieces(face, state, aim);
+    let (pieces, mut left) = pieces(state, aim);
     let whole: f64 = pieces.iter().map(|p| p.area).sum();
     let mut done = 0.0;
     let mut out = Patchwork::default();
@@ -156,7 +156,7 @@ fn straight(first: usize, face: &Face, options: &RuledOptions, control: &Control
         return None;
     }
     let state = exactly_covered(face, &CoverOptions::new(options.tolerance), control)?;
-    let Built { patchwork, certificate, .. } = build(first, face, &state, options.tolerance).0;
+    let Built { patchwork, certificate, .. } = build(first, &state, options.tolerance).0;
     let longest = |panel: &Panel| {
         let clipped = ClippedRulings::new(panel);
         let (a, b) = clipped.range();

@@ -10,6 +10,7 @@ use crate::num::hash::HashMap;
 use crate::patchwork::partition::{edges, Partition};
 use crate::search::cover::State;
 use crate::spline::surface::SurfaceJet;
+use std::sync::Arc;
 
 /// A piece of a face.
 pub(crate) struct FacePiece {
@@ -115,7 +116,8 @@ pub(super) fn shade(c: &Curvatures, size: f64) -> f64 {
 }
 
 /// The pieces of a face that can have strips, and what cannot, with its area in mm².
-pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<FacePiece>, Vec<(LeftOut, f64)>) {
+pub(super) fn pieces(mut state: State, tolerance: f64) -> (Vec<FacePiece>, Vec<(LeftOut, f64)>) {
+    let face = Arc::clone(&state.face);
     let size = face.surface.bbox().diagonal();
     // Rulings of half the face's size keep to half the tolerance up to this curvature, where it is positive: what bends more
     // would need strips with kinks between them.
@@ -142,9 +144,9 @@ pub(super) fn pieces(face: &Face, mut state: State, tolerance: f64) -> (Vec<Face
             continue;
         }
         let new = state.partition.trim_edges.values().copied().max().unwrap_or(0) + 1;
-        let mut piece = part(face, (&state.partition, &jets), label, new);
+        let mut piece = part(&face, (&state.partition, &jets), label, new);
         if alone {
-            piece.face = face.clone();
+            piece.face = (*face).clone();
         }
         out.push(piece);
     }

@@ -6,7 +6,6 @@
 
 use super::intersection::{pair, Intersections};
 use super::seams::{self, SharedSeam};
-use crate::brep::face::Face;
 use crate::certify::flat::flat;
 use crate::certify::{Known, PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
@@ -17,8 +16,8 @@ use crate::num::hash::HashMap;
 use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::NewBorder;
-use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
-use crate::search::cover::{CoverOptions, Job, Limits, Recount, SeamLine, State};
+use crate::search::build::{build_on, limits_missed, Built, Joined};
+use crate::search::cover::{CoverOptions, Job, Limits, Recount, State};
 use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,13 +50,12 @@ const INTERSECTIONS: usize = 8;
 /// A face whose strips are to meet.
 struct Attempts<'a> {
     index: usize,
-    face: &'a Face,
+    /// Its cover.
+    state: &'a State,
     tolerance: f64,
     /// Limits of sheet and material, seams that must stay.
     wanted: &'a CoverOptions,
     control: &'a Control,
-    /// Lines that seams must follow.
-    seam_lines: Arc<Vec<SeamLine>>,
     /// What was proven on the way.
     known: Known,
     /// Labels whose flat patterns are not proven without common edges either, once they are asked for.
@@ -82,8 +80,8 @@ struct Refused {
 pub(crate) struct Side<'a> {
     /// Its number.
     pub index: usize,
-    /// The face and its cover.
-    pub on: (&'a Face, &'a State),
+    /// Its cover.
+    pub state: &'a State,
     /// Its panels.
     pub built: &'a Built,
     /// What was asked for.
@@ -107,7 +105,7 @@ enum Moving<'a> {
 /// can be certified; as they are where it cannot. Asked for are what covers are, and what other numbers of strips may be tried.
 pub(crate) fn met(
     index: usize,
-    (face, state): (&Face, &State),
+    state: &State,
     (built, unproven): (Built, BTreeSet<u32>),
     (wanted, recounts): (&CoverOptions, &[Recount]),
     control: &Control,
@@ -116,11 +114,10 @@ pub(crate) fn met(
     let base = state.as_built(&built);
     let mut attempts = Attempts {
         index,
-        face,
+        state,
         tolerance,
         wanted,
         control,
-        seam_lines: state.seam_lines.clone(),
         known: Known::default(),
         unproven: OnceLock::from(unproven),
         most: f64::INFINITY,
@@ -128,20 +125,20 @@ pub(crate) fn met(
         best: built,
     };
     // Strips that are laid end to end need edges, and nothing else.
-    if attempts.is_end_to_end(state) {
+    if attempts.is_end_to_end() {
         attempts.intersect(state);
     }
-    if recounts.contains(&Recount::Less) && attempts.recounted(state, Recount::Less) {
+    if recounts.contains(&Recount::Less) && attempts.recounted(Recount::Less) {
         return attempts.best;
     }
     // Borders that the program has left open are moved at once, which may spare its next solution; those of the cover only where
     // it has brought nothing.
-    let moved = base.as_ref().is_some_and(|b| attempts.changed_together(b, state, &REGULAR));
+    let moved = base.as_ref().is_some_and(|b| attempts.changed_together(b, &REGULAR));
     if !moved {
         attempts.intersect(state);
     }
     if recounts.contains(&Recount::More) {
-        attempts.recounted(state, Recount::More);
+        attempts.recounted(Recount::More);
     }
     attempts.best
 }
@@ -168,8 +165,8 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
         })
         .collect();
     let given = attempts.iter().zip(&asked).map(|(a, asked)| {
-        let (Attempts { face, .. }, base) = a.as_ref()?;
-        Some((*face, base, borders(face, &base.partition).seam_chains(), asked.as_ref()?))
+        let (_, base) = a.as_ref()?;
+        Some((base, base.borders().seam_chains(), asked.as_ref()?))
     });
     let mut joint = Joint::of_faces(given.collect(), meetings);
     for refinement in 0..=REFINEMENTS {
@@ -204,15 +201,14 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
 
 /// A face that is to meet others, and its panels as a state.
 fn attempted<'a>(side: Side<'a>, control: &'a Control) -> Option<(Attempts<'a>, State)> {
-    let Side { index, on: (face, state), built, wanted, borders } = side;
+    let Side { index, state, built, wanted, borders } = side;
     let base = state.as_built(built)?;
     let attempts = Attempts {
         index,
-        face,
+        state,
         tolerance: built.certificate.tolerance,
         wanted,
         control,
-        seam_lines: state.seam_lines.clone(),
         known: Known::default(),
         unproven: OnceLock::new(),
         most: LOW_ENOUGH,
@@ -256,9 +252,10 @@ impl Attempts<'_> {
     }
 
     /// Whether strips are equally high along all their borders.
-    fn is_end_to_end(&self, state: &State) -> bool {
+    fn is_end_to_end(&self) -> bool {
         let torses = torses(&self.best);
-        let largest = state.as_built(&self.best).and_then(|s| Intersections::new(self.face, &torses).largest_gap(&s));
+        let intersections = Intersections::new(&self.state.face, &torses);
+        let largest = self.state.as_built(&self.best).and_then(|s| intersections.largest_gap(&s));
         largest.is_some_and(|gap| gap <= END_TO_END * self.tolerance)
     }
 
@@ -269,11 +266,11 @@ impl Attempts<'_> {
 
     /// Strips of one program in place of those at hand, with one share of their regularity after the other until all seams are
     /// closed; whether that brought anything.
-    fn changed_together(&mut self, base: &State, state: &State, shares: &[f64]) -> bool {
+    fn changed_together(&mut self, base: &State, shares: &[f64]) -> bool {
         let mut moved = false;
         for &regular in shares {
             if self.is_open() && self.joined(base, regular).is_some_and(|next| self.keep(next)) {
-                self.intersect(state);
+                self.intersect(self.state);
                 moved = true;
             }
         }
@@ -281,15 +278,15 @@ impl Attempts<'_> {
     }
 
     /// Tries another number of strips, where no limits or seams are asked for; whether all of them meet then.
-    fn recounted(&mut self, state: &State, recount: Recount) -> bool {
+    fn recounted(&mut self, recount: Recount) -> bool {
         let layout = &self.wanted.layout;
         let free = self.wanted.limits == Limits::default() && layout.seams.is_empty() && layout.curves.is_empty();
         if !free || !self.is_open() {
             return false;
         }
-        let Some(next) = Job::new(self.face, self.wanted, self.control).recounted(state, recount) else { return false };
-        let partition = smooth_borders(self.face, next.partition.clone(), self.tolerance, |_| true);
-        let next = next.with_partition(partition);
+        let job = Job::new(&self.state.face, self.wanted, self.control);
+        let Some(next) = job.recounted(self.state, recount) else { return false };
+        let next = next.with_smooth_borders(self.tolerance, |_| true);
         // Labels are others, and no flat pattern is given up.
         let unproven = std::mem::replace(&mut self.unproven, OnceLock::from(BTreeSet::new()));
         let most = std::mem::replace(&mut self.most, NEAR_ENOUGH);
@@ -328,7 +325,7 @@ impl Attempts<'_> {
     /// that is not possible, or cannot be proven.
     fn intersecting(&self, built: &Built, state: &State) -> Option<Built> {
         let torses = torses(built);
-        let intersections = Intersections::new(self.face, &torses);
+        let intersections = Intersections::new(&self.state.face, &torses);
         let base = state.as_built(built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
         self.bordered_at(&intersections, &base, wanted, Moving::Accepted(built)).ok()
@@ -342,8 +339,7 @@ impl Attempts<'_> {
         for _ in 0..=EXCLUSIONS {
             let &Self { tolerance, borders: on_border, most, .. } = self;
             let asked = Asked { held: &stays, without: &without, regular, tolerance, borders: on_border, most };
-            let chains = borders(self.face, &base.partition).seam_chains();
-            let mut joint = Joint::new(self.face, base, chains, &asked)?;
+            let mut joint = Joint::new(base, base.borders().seam_chains(), &asked)?;
             match self.refined(base, &mut joint) {
                 Ok(found) => return Some(found),
                 Err(labels) if labels.iter().all(|l| without.contains(l)) => return None,
@@ -403,11 +399,10 @@ impl Attempts<'_> {
             return Err(without(crossing.iter().map(smaller).collect()));
         }
         let along_lines = along_lines.ok();
-        let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
         let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
         let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
         let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
-        let intersections = Intersections::new(self.face, &torses).with_known_edges(edges, vertices);
+        let intersections = Intersections::new(&next.face, &next.torses()).with_known_edges(edges, vertices);
         let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
             self.bordered_at(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
         };
@@ -447,7 +442,7 @@ impl Attempts<'_> {
         }
         for label in labels {
             let fits = [base, &state].map(|s| s.panels.get(label).cloned());
-            let found = Job::new(self.face, self.wanted, self.control)
+            let found = Job::new(&self.state.face, self.wanted, self.control)
                 .laid_anew(state.region(*label), fits.iter().flatten())?;
             state.panels.insert(*label, found);
         }
@@ -482,9 +477,8 @@ impl Attempts<'_> {
             wanted = moved;
             // Borders with edges that are kept stay as they are.
             let moves = |p: [u32; 2]| built.is_none() || wanted.contains(&p);
-            let partition = smooth_borders(self.face, now.partition.clone(), self.tolerance, moves);
-            let now = intersections.settled(&now.with_partition(partition), &wanted);
-            let borders = borders(self.face, &now.partition);
+            let now = intersections.settled(&now.with_smooth_borders(self.tolerance, moves), &wanted);
+            let borders = now.borders();
             let (mut edges, spoilt) = intersections.edges(&now, &borders, &wanted);
             if !spoilt.is_empty() {
                 wanted.retain(|p| !spoilt.contains(p));
@@ -517,7 +511,7 @@ impl Attempts<'_> {
     /// without these edges.
     fn built_on(&self, state: &State, edges: &[SharedSeam]) -> (Built, Vec<u32>) {
         let joined = Joined { edges, known: &self.known };
-        let (next, mut bad) = build_on(self.index, self.face, state, (self.tolerance, self.control), joined);
+        let (next, mut bad) = build_on(self.index, state, (self.tolerance, self.control), joined);
         if bad.is_empty() {
             bad = unproven(&next, self.control);
             if !bad.is_empty() {
@@ -530,7 +524,7 @@ impl Attempts<'_> {
 
     /// Whether the border between two labels lies in a plane or on a line in which a seam must run: such borders stay.
     fn is_asked_for(&self, built: &Built, labels: [u32; 2]) -> bool {
-        let (planes, lines) = (&self.wanted.layout.seams, &self.seam_lines);
+        let (planes, lines) = (&self.wanted.layout.seams, &self.state.seam_lines);
         let any = !planes.is_empty() || !lines.is_empty();
         let Some(partition) = built.patchwork.partitions.first().filter(|_| any) else { return false };
         let seams = built.patchwork.seams();
@@ -538,7 +532,7 @@ impl Attempts<'_> {
             seams.iter().filter(|s| both(s.sides.map(|s| s.of.label())) == Some(labels)).map(|s| s.sides[0].run);
         let place = |v: &u32| {
             let [a, b] = partition.vertices[*v as usize];
-            self.face.surface.point(a, b)
+            self.state.face.surface.point(a, b)
         };
         let along = |r: &Coedge, height: &dyn Fn(&Vec3) -> f64| {
             r.vertices.iter().all(|v| height(&place(v)).abs() <= self.tolerance)

@@ -124,7 +124,7 @@ impl<'a> Intersections<'a> {
     /// Largest difference (mm) of the heights of two strips at a vertex of their border; `None` where there is no border, or a strip
     /// has no height.
     pub fn largest_gap(&self, state: &State) -> Option<f64> {
-        let borders = borders_of(self.face, &state.partition);
+        let borders = state.borders();
         let gaps = borders.seam_chains().into_iter().map(|c| self.gap(&borders, &c, state));
         gaps.collect::<Option<Vec<f64>>>()?.into_iter().reduce(f64::max)
     }
@@ -162,7 +162,7 @@ impl<'a> Intersections<'a> {
     /// The state with the vertices in which borders end inside the face under the points that their labels have in common;
     /// others make way. Vertices that cannot go there stay where they get to.
     pub fn with_vertices(&self, state: &State) -> State {
-        let borders = borders_of(self.face, &state.partition);
+        let borders = state.borders();
         let surface = &self.face.surface;
         let mut partition = state.partition.clone();
         let lines = [surface.knots_u.breaks(), surface.knots_v.breaks()];
@@ -258,7 +258,7 @@ impl<'a> Intersections<'a> {
     /// The state with the vertices of these borders where the strips intersect. A corner of a border that cannot go there,
     /// since its triangle lies between its neighbours, is left to the other side.
     pub fn settled(&self, state: &State, pairs: &[[u32; 2]]) -> State {
-        let borders = borders_of(self.face, &state.partition);
+        let borders = state.borders();
         let chains = borders.seam_chains();
         let (along, strips): (Vec<&SeamChain>, Vec<Pair>) = chains
             .iter()
@@ -617,7 +617,7 @@ mod tests {
         assert_eq!(moved, [[0, 1]]);
         let settled = intersections.settled(&cut, &moved);
         assert!((settled.region(0).area() - 5500.0).abs() < 1e-6 && (settled.region(1).area() - 4500.0).abs() < 1e-6);
-        let borders = borders_of(&face, &settled.partition);
+        let borders = settled.borders();
         let (edges, spoilt) = intersections.edges(&settled, &borders, &moved);
         assert!(edges.len() == 1 && spoilt.is_empty());
         for k in 0..=10 {

@@ -4,21 +4,17 @@
 use super::attempts::clashing;
 use super::intersection::{pair, Intersections};
 use super::seams::{kept, SharedSeam};
-use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::partition::Partition;
-use crate::search::build::borders;
 use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Panels that are cut.
 pub(crate) struct Wholes<'a> {
-    /// The face.
-    pub face: &'a Face,
-    /// Its regions.
+    /// The regions of a face.
     pub state: &'a State,
     /// Panels on them.
     pub panels: &'a Patchwork,
@@ -43,7 +39,7 @@ impl Wholes<'_> {
     /// The edges of the panels, by their regions; none of those that have several with a neighbour.
     fn known(&self) -> BTreeMap<[u32; 2], Curve<3>> {
         let mut out: BTreeMap<[u32; 2], Option<Curve<3>>> = BTreeMap::new();
-        for e in kept(self.panels, &borders(self.face, &self.state.partition)) {
+        for e in kept(self.panels, &self.state.borders()) {
             out.entry(pair(e.labels)).and_modify(|known| *known = None).or_insert(Some(e.edge));
         }
         out.into_iter().filter_map(|(labels, edge)| Some((labels, edge?))).collect()
@@ -56,16 +52,15 @@ impl Wholes<'_> {
         partition.labels = partition.labels.iter().map(whole_of).collect();
         let known = self.known();
         let along: Vec<[u32; 2]> = known.keys().copied().collect();
-        let torses = self.state.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
-        let intersections =
-            Intersections::new(self.face, &torses).with_known_edges(known.into_iter().collect(), Vec::new());
+        let intersections = Intersections::new(&self.state.face, &self.state.torses())
+            .with_known_edges(known.into_iter().collect(), Vec::new());
         let settled = intersections.settled(&self.state.with_partition(partition), &along);
         parts.with_partition(Partition { vertices: settled.partition.vertices, ..parts.partition.clone() })
     }
 
     /// The edges of the parts: cuts, and shares of those of the panels.
     pub fn edges(&self, parts: &State) -> Vec<SharedSeam> {
-        let before = borders(self.face, &self.state.partition);
+        let before = self.state.borders();
         let old = kept(self.panels, &before);
         // Points in which edges end already, by vertex.
         let chains = before.seam_chains();
@@ -78,7 +73,7 @@ impl Wholes<'_> {
             }
         }
         // Edges beside which nothing is cut stay.
-        let after = borders(self.face, &parts.partition);
+        let after = parts.borders();
         let mut edges = kept(self.panels, &after);
         let chains = after.seam_chains();
         let is_new = |c: &&SeamChain| edges.iter().all(|e| e.chain != c.chain);
@@ -90,8 +85,7 @@ impl Wholes<'_> {
         // Where a panel has several edges with a neighbour its parts intersect those of that anew.
         let known = self.known();
         let known = wanted.iter().filter_map(|p| Some((*p, known.get(&self.beside(parts, *p)?)?.clone()))).collect();
-        let torses = parts.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
-        let intersections = Intersections::new(self.face, &torses).with_known_edges(known, Vec::new());
+        let intersections = Intersections::new(&parts.face, &parts.torses()).with_known_edges(known, Vec::new());
         let (found, _) = intersections.edges_through(&ends, parts, &after, &wanted);
         let found = found.into_iter().filter(|e| edges.iter().all(|k| k.chain != e.chain));
         edges.extend(found.collect::<Vec<_>>());

@@ -6,10 +6,8 @@ use crate::num::hash::{HashMap, HashSet};
 use crate::num::parallel;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::partition::Partition;
-use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 /// An edge in space for a chain of the borders.
 #[derive(Clone, Debug)]
@@ -127,24 +125,6 @@ pub(crate) fn kept(patchwork: &Patchwork, borders: &Borders) -> Vec<SharedSeam> 
         Some(SharedSeam { chain: c.chain, labels: c.labels, edge, parameters })
     };
     borders.seam_chains().into_iter().filter_map(same).collect()
-}
-
-impl State {
-    /// The state with another partition of the same labels.
-    pub(crate) fn with_partition(&self, partition: Partition) -> State {
-        let mut out = State {
-            face: Arc::clone(&self.face),
-            partition,
-            jets: Vec::new(),
-            panels: self.panels.clone(),
-            bands: self.bands.clone(),
-            origins: self.origins.clone(),
-            seam_lines: self.seam_lines.clone(),
-            touched: self.touched,
-        };
-        out.update();
-        out
-    }
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidF
     let (mut state, rulings, turn) = triangles(face)?;
     let fit = (turn <= MOST_TURN).then(|| exact(&rulings, &state.region(0).samples(), &asked))??;
     state.panels.insert(0, Arc::new(fit));
-    let mut built = build(0, face, &state, tolerance).0;
+    let mut built = build(0, &state, tolerance).0;
     let [pattern] = <[Pattern; 1]>::try_from(built.patterns).ok()?;
     let pattern = Pattern { name: name.to_owned(), ..pattern };
     built.patchwork.panels.iter_mut().for_each(|p| name.clone_into(&mut p.strip.name));
