@@ -11,7 +11,7 @@ use torse::fit::strip_potential::{strip_potentials, StripPotentialOptions};
 use torse::io::bundle;
 use torse::io::step::read::read;
 use torse::pipeline::approximate::{of_faces, Options};
-use torse::search::cover::{cover, CoverOptions, Layout, Limits, State};
+use torse::search::cover::{cover, Cover, CoverOptions, Layout, Limits};
 
 const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
 
@@ -43,8 +43,8 @@ fn reading() -> usize {
 /// One of the two spaces in which strip potentials are sought.
 #[divan::bench(sample_count = 10)]
 fn field(bencher: divan::Bencher) {
-    let state = State::of_face(&face(), f64::INFINITY).expect("a triangulation");
-    let (forms, places) = (state.region(0).forms(1500), state.region(0).places());
+    let cover = Cover::of_face(&face(), f64::INFINITY).expect("a triangulation");
+    let (forms, places) = (cover.region(0).forms(1500), cover.region(0).places());
     bencher.bench(|| {
         strip_potentials(
             &forms,

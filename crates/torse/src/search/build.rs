@@ -1,6 +1,6 @@
 //! Panels of a covered face as they are exported, their proof and their flat patterns.
 
-use super::cover::{Limits, State};
+use super::cover::{Cover, Limits};
 use super::stitch::seams::SharedSeam;
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate, Known};
@@ -155,14 +155,14 @@ pub(crate) fn borders_cut_at<'a>(face: &'a Face, partition: &'a Partition, cuts:
 }
 
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
-pub(crate) fn build(index: usize, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
+pub(crate) fn build(index: usize, cover: &Cover, tolerance: f64) -> (Built, Vec<u32>) {
     // The proof has its own clock: what was found is judged even when time is up.
-    build_until(index, state, tolerance, &Control::default())
+    build_until(index, cover, tolerance, &Control::default())
 }
 
 /// As [`build`], with a proof that ends, and then says nothing, when `control` stops it.
-pub(crate) fn build_until(index: usize, state: &State, tolerance: f64, control: &Control) -> (Built, Vec<u32>) {
-    assessed(index, &state.with_smooth_borders(tolerance, |_| true), (tolerance, control), None)
+pub(crate) fn build_until(index: usize, cover: &Cover, tolerance: f64, control: &Control) -> (Built, Vec<u32>) {
+    assessed(index, &cover.with_smooth_borders(tolerance, |_| true), (tolerance, control), None)
 }
 
 /// Strips that are to meet.
@@ -174,27 +174,27 @@ pub(crate) struct Joined<'a> {
 }
 
 /// As [`build`], on smooth borders, with strips that meet. Where a panel cannot be proven, none has a pattern.
-pub(crate) fn build_on(index: usize, state: &State, limits: (f64, &Control), joined: Joined) -> (Built, Vec<u32>) {
-    assessed(index, state, limits, Some(joined))
+pub(crate) fn build_on(index: usize, cover: &Cover, limits: (f64, &Control), joined: Joined) -> (Built, Vec<u32>) {
+    assessed(index, cover, limits, Some(joined))
 }
 
 /// See [`build_on`] and [`build_until`].
 fn assessed(
     index: usize,
-    state: &State,
+    cover: &Cover,
     (tolerance, control): (f64, &Control),
     joined: Option<Joined>,
 ) -> (Built, Vec<u32>) {
-    let face = &*state.face;
-    let mut borders = state.borders();
+    let face = &*cover.face;
+    let mut borders = cover.borders();
     let mut assigned: Vec<Assigned> =
-        state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
-    let order = state.along_the_model();
+        cover.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
+    let order = cover.along_the_model();
     assigned.sort_by_key(|a| order.get(&a.label).copied());
     for e in joined.iter().flat_map(|j| j.edges) {
         borders.share(e.chain, e.edge.clone(), e.parameters.clone());
     }
-    let close = if state.touched { CLOSE_TRIM * face.surface.bbox().diagonal() } else { f64::INFINITY };
+    let close = if cover.touched { CLOSE_TRIM * face.surface.bbox().diagonal() } else { f64::INFINITY };
     let trim_tolerance = (tolerance * TRIM_SHARE).min(close);
     let made: Vec<Result<Panel, BoundaryError>> = parallel::map(assigned.iter(), |a| {
         borders.panel(0, a, &boundary_options(a.kind, trim_tolerance)).map(|(p, _)| p)
@@ -216,12 +216,12 @@ fn assessed(
     }
     let patchwork = Patchwork {
         faces: vec![face.clone()],
-        partitions: vec![state.partition.clone()],
+        partitions: vec![cover.partition.clone()],
         panels,
         seam_count,
         joint_count: 0,
     };
-    missing.extend(state.stray_seam(&patchwork, tolerance));
+    missing.extend(cover.stray_seam(&patchwork, tolerance));
     let certificate = match &joined {
         Some(Joined { known, .. }) => certify::patchwork_after(known, &patchwork, tolerance, control),
         None => certify::patchwork(&patchwork, tolerance, control),
@@ -249,7 +249,7 @@ fn assessed(
     refused.extend(of.filter_map(|k| patchwork.panels[k].label()));
     let panels = patchwork.panels.iter().enumerate();
     let along = panels.filter_map(|(panel, p)| {
-        let o = state.origins.get(&p.label()?)?;
+        let o = cover.origins.get(&p.label()?)?;
         Some(AlongCurve { panel, curve: o.curve.clone(), step: o.step, paper_estimate: o.paper_estimate })
     });
     let along = along.collect();
@@ -337,13 +337,13 @@ const SEAM_STRAYS: f64 = 2.0;
 /// Places on every span of an edge at which it is compared with seams that were asked for.
 const EDGE_PLACES: usize = 8;
 
-impl State {
+impl Cover {
     /// Borders between regions.
     pub(super) fn borders(&self) -> Borders<'_> {
         borders(&self.face, &self.partition)
     }
 
-    /// The state with borders between panels as smooth as the tolerance asks for, those between labels (in order) that `among`
+    /// The cover with borders between panels as smooth as the tolerance asks for, those between labels (in order) that `among`
     /// names.
     pub(super) fn with_smooth_borders(&self, tolerance: f64, among: impl Fn([u32; 2]) -> bool) -> Self {
         let (s, mut partition) = (&self.face.surface, self.partition.clone());

@@ -3,7 +3,7 @@
 
 use super::build::{build_until, limits_missed, too_large, Built};
 use super::cover::{
-    bent_panels, cover, exactly_covered, revolved, CoverOptions, Layout, Limits, Recount, SeamPlane, State,
+    bent_panels, cover, exactly_covered, revolved, Cover, CoverOptions, Layout, Limits, Recount, SeamPlane,
 };
 use super::joint::BorderCounts;
 use super::laid::{Laid, Task};
@@ -145,7 +145,7 @@ pub(crate) struct Covered {
 struct Apart {
     /// Whether they meet within the face as they are.
     meets: bool,
-    state: State,
+    cover: Cover,
     options: CoverOptions,
     /// Labels of panels whose flat patterns are not proven.
     unproven: BTreeSet<u32>,
@@ -155,7 +155,7 @@ struct Apart {
 
 /// A cover whose panels are too large for the sheets of a shop.
 struct Whole {
-    state: State,
+    cover: Cover,
     built: Built,
     options: CoverOptions,
     /// Planes along which its panels are cut.
@@ -164,47 +164,47 @@ struct Whole {
 
 impl Whole {
     /// Planes between sections that nobody has asked for do not hold seams: panels on both sides meet beside them.
-    fn of(task: &Task, Laid { state, built, .. }: Laid, planes: Vec<SeamPlane>) -> Self {
+    fn of(task: &Task, Laid { cover, built, .. }: Laid, planes: Vec<SeamPlane>) -> Self {
         let mut options = task.options.clone();
         let limits = &mut options.limits;
         (limits.sheet, limits.max_length, limits.max_width) = (None, None, None);
-        Self { state, built, options, planes }
+        Self { cover, built, options, planes }
     }
 }
 
 impl Apart {
-    /// Parts, with their state, of panels that are too large, laid anew so that they meet: their parts do so as well. `None` where
+    /// Parts, with their cover, of panels that are too large, laid anew so that they meet: their parts do so as well. `None` where
     /// parts are too many, or worse than `built`.
-    fn parted(&self, (index, built): (usize, &Built), whole: Whole, control: &Control) -> Option<(State, Built)> {
-        let (face, options) = (&self.state.face, self.options.clone());
+    fn parted(&self, (index, built): (usize, &Built), whole: Whole, control: &Control) -> Option<(Cover, Built)> {
+        let (face, options) = (&self.cover.face, self.options.clone());
         let open = unproven(&whole.built, control).into_iter().collect();
         // With fewer strips little of the tolerance would be left for the ends of parts.
         let asked = (&whole.options, &[Recount::More][..]);
-        let joined = met(index, &whole.state, (whole.built, open), asked, control);
-        let state = whole.state.of_panels(&joined)?;
+        let joined = met(index, &whole.cover, (whole.built, open), asked, control);
+        let cover = whole.cover.of_panels(&joined)?;
         let task = Task { index, face, whole: built.certificate.tolerance, options, control };
-        let (state, parts) = sheet::parted(&task, (&state, &joined), &whole.planes)?;
+        let (cover, parts) = sheet::parted(&task, (&cover, &joined), &whole.planes)?;
         let limits = &self.options.limits;
         let missed = |b: &Built| limits_missed(&b.patchwork, &b.certificate, &b.patterns, limits).reasons.len();
         let most = (1.0 + MORE_PARTS) * built.patchwork.panels.len() as f64;
         let is_as_good = parts.patchwork.panels.len() as f64 <= most && missed(&parts) <= missed(built);
         let are_flat = || unproven(&parts, control).len() <= self.unproven.len();
-        (is_as_good && are_flat()).then_some((state, parts))
+        (is_as_good && are_flat()).then_some((cover, parts))
     }
 
     /// The best parts, which take the place of the panels at hand.
     fn in_parts(&mut self, (index, built): (usize, &Built), control: &Control) -> Option<Built> {
-        let mut best: Option<(State, Built)> = None;
+        let mut best: Option<(Cover, Built)> = None;
         for whole in std::mem::take(&mut self.wholes) {
             let found = self.parted((index, built), whole, control);
-            let is_better = |f: &(State, Built)| best.as_ref().is_none_or(|b| openness(&f.1) < openness(&b.1));
+            let is_better = |f: &(Cover, Built)| best.as_ref().is_none_or(|b| openness(&f.1) < openness(&b.1));
             best = found.filter(is_better).or(best);
             if best.as_ref().is_some_and(|b| openness(&b.1) == 0.0) {
                 break;
             }
         }
-        let (state, parts) = best?;
-        self.state = state;
+        let (cover, parts) = best?;
+        self.cover = cover;
         Some(parts)
     }
 }
@@ -226,9 +226,9 @@ impl Covered {
     pub(crate) fn met(mut self, index: usize, control: &Control) -> Met {
         let mut built = match self.apart.as_mut().filter(|a| !a.meets && !control.stopped()) {
             Some(apart) => apart.in_parts((index, &self.built), control).unwrap_or_else(|| {
-                let Apart { state, options, unproven, .. } = apart;
+                let Apart { cover, options, unproven, .. } = apart;
                 let asked = (&*options, &[Recount::Less, Recount::More][..]);
-                met(index, state, (self.built, unproven.clone()), asked, control)
+                met(index, cover, (self.built, unproven.clone()), asked, control)
             }),
             None => self.built,
         };
@@ -254,8 +254,8 @@ impl Met {
 
     /// The face as one whose panels are laid anew to meet those of others; `borders` says what distances count on its border.
     pub(crate) fn side<'a>(&'a self, index: usize, borders: &'a BorderCounts) -> Option<Side<'a>> {
-        let Apart { state, options, .. } = self.apart.as_ref()?;
-        Some(Side { index, state, built: &self.built, wanted: options, borders })
+        let Apart { cover, options, .. } = self.apart.as_ref()?;
+        Some(Side { index, cover, built: &self.built, wanted: options, borders })
     }
 }
 
@@ -302,15 +302,15 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     let exact = exactly_covered(&face, &options, &Control::default());
     let is_exact = exact.is_some();
     let exact = exact.or_else(|| {
-        let (ended, state) = revolved(&face, &options, &wanted.between, control)?;
+        let (ended, cover) = revolved(&face, &options, &wanted.between, control)?;
         face = ended;
         options.tolerance = whole - face.joint_bound() - face.trim_bound();
-        Some(state)
+        Some(cover)
     });
     // Where a limit is given up, the panels say why.
     let mut why = None;
     let mut found = match exact {
-        Some(state) => state,
+        Some(cover) => cover,
         None => {
             if let Some(left) = control.remaining() {
                 let end = Instant::now() + left.mul_f64(STOPGAP_SHARE);
@@ -354,7 +354,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     if laid.accepted {
         laid = slivers::widened(&task, laid);
     }
-    let Laid { state, built, accepted, seams } = laid;
+    let Laid { cover, built, accepted, seams } = laid;
     if control.stopped() && !built.certificate.deviation_bound.is_finite() {
         return Ok(told(stopgap.unwrap_or(built)));
     }
@@ -368,7 +368,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     }
     let wholes = wholes.into_iter().map(|(whole, planes)| Whole::of(&task, whole, planes)).collect();
     let options = task.options_with(&seams);
-    let apart = Apart { meets, state, options, unproven: BTreeSet::new(), wholes };
+    let apart = Apart { meets, cover, options, unproven: BTreeSet::new(), wholes };
     Ok(Covered { apart: Some(apart), ..told(built) })
 }
 
@@ -395,18 +395,18 @@ fn stopgaps(
 fn stopgap(index: usize, face: &Face, wanted: &CoverOptions, (tolerance, control): (f64, &Control)) -> Option<Built> {
     // What was asked for besides the tolerance would only take time here; what is missed is marked.
     let options = CoverOptions { tolerance, limits: Limits::default(), layout: Layout::default(), ..wanted.clone() };
-    let found = cover(face, &options, control).ok().filter(State::is_complete)?;
+    let found = cover(face, &options, control).ok().filter(Cover::is_complete)?;
     let built = build_until(index, &found, tolerance, control).0;
     built.certificate.deviation_bound.is_finite().then_some(built)
 }
 
 /// A cover that time has cut short, its gaps filled with what is near; judged with the distance of what was found, so that
 /// it has a bound where one can be shown in a moment.
-fn filled(index: usize, mut state: State, whole: f64) -> Built {
-    state.fill(&Control::default().until(Instant::now() + FILLING));
-    let worst = state.panels.values().map(|fit| fit.error).fold(0.0, f64::max);
+fn filled(index: usize, mut cover: Cover, whole: f64) -> Built {
+    cover.fill(&Control::default().until(Instant::now() + FILLING));
+    let worst = cover.panels.values().map(|fit| fit.error).fold(0.0, f64::max);
     let tolerance = if worst.is_finite() { whole.max(LOOSE * worst) } else { whole };
-    build_until(index, &state, tolerance, &Control::default().until(Instant::now() + FILLING)).0
+    build_until(index, &cover, tolerance, &Control::default().until(Instant::now() + FILLING)).0
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A cover of one face as panels.
 
 use super::build::{build, Built};
-use super::cover::{CoverOptions, Job, SeamPlane, State};
+use super::cover::{Cover, CoverOptions, Job, SeamPlane};
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::torse::form::PanelKind;
@@ -25,7 +25,7 @@ pub(super) struct Task<'a> {
 /// A cover as panels.
 #[derive(Clone)]
 pub(super) struct Laid {
-    pub state: State,
+    pub cover: Cover,
     pub built: Built,
     /// Whether every panel was accepted; else the search is at its end.
     pub accepted: bool,
@@ -42,28 +42,28 @@ impl Task<'_> {
     }
 
     /// Builds a cover; what the judge refuses is cut, and goes round again.
-    pub(super) fn laid(&self, mut state: State, seams: Vec<SeamPlane>) -> Laid {
+    pub(super) fn laid(&self, mut cover: Cover, seams: Vec<SeamPlane>) -> Laid {
         let mut options = self.options_with(&seams);
         let mut round = 0;
         loop {
-            let (built, mut refused) = build(self.index, &state, self.whole);
+            let (built, mut refused) = build(self.index, &cover, self.whole);
             // Both sides of a slit lie on one line of a plane: trims may be told apart by their errors, drawings are not.
-            let slit = state
+            let slit = cover
                 .panels
                 .iter()
-                .filter(|(&l, fit)| fit.kind == PanelKind::Plane && state.region(l).meets_itself().is_some());
+                .filter(|(&l, fit)| fit.kind == PanelKind::Plane && cover.region(l).meets_itself().is_some());
             refused.extend(slit.map(|(&l, _)| l).filter(|l| !refused.contains(l)).collect::<Vec<_>>());
             if refused.is_empty() {
-                return Laid { state, built, accepted: true, seams };
+                return Laid { cover, built, accepted: true, seams };
             }
             let panels = built.patchwork.panels.len() + refused.len();
             if self.control.stopped() || round == ROUNDS || panels > options.max_panels {
-                return Laid { state, built, accepted: false, seams };
+                return Laid { cover, built, accepted: false, seams };
             }
             options.facets = round >= FACET_ROUND;
-            match Job::new(self.face, &options, self.control).cut_refused(&state, &refused) {
-                Some(next) => state = next,
-                None => return Laid { state, built, accepted: false, seams },
+            match Job::new(self.face, &options, self.control).cut_refused(&cover, &refused) {
+                Some(next) => cover = next,
+                None => return Laid { cover, built, accepted: false, seams },
             }
             round += 1;
         }

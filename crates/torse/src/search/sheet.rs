@@ -11,7 +11,7 @@
 //! panels.
 
 use super::build::{build_on, too_large, Built, Joined};
-use super::cover::{cover, exact_regions, exactly, is_developable, meridian, CoverOptions, SeamPlane, State};
+use super::cover::{cover, exact_regions, exactly, is_developable, meridian, Cover, CoverOptions, SeamPlane};
 use super::laid::{Laid, Task};
 use super::stitch::parts::Wholes;
 use crate::brep::meridian::Meridian;
@@ -57,7 +57,7 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Fitted {
     let lined_up = planes.iter().find_map(|planes| {
         let surface = &task.face.surface;
         let heights: Vec<_> = planes.iter().map(|p| |uv: [f64; 2]| p.height(&surface.point(uv[0], uv[1]))).collect();
-        let cut = task.laid(laid.state.cut_where(&heights), planes.clone());
+        let cut = task.laid(laid.cover.cut_where(&heights), planes.clone());
         let cut = cut_until_it_fits(task, cut);
         fits(task, &cut).then_some(cut)
     });
@@ -92,10 +92,10 @@ pub(super) fn fitted(task: &Task, laid: Laid) -> Fitted {
     best
 }
 
-/// Panels that meet, cut along planes and then each for itself until they fit, as parts that meet where the panels do. `state` has
+/// Panels that meet, cut along planes and then each for itself until they fit, as parts that meet where the panels do. `cover` has
 /// their torses. `None` where parts do not fit, or cannot be proven.
-pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[SeamPlane]) -> Option<(State, Built)> {
-    let mut parts = state.clone();
+pub(super) fn parted(task: &Task, (cover, built): (&Cover, &Built), planes: &[SeamPlane]) -> Option<(Cover, Built)> {
+    let mut parts = cover.clone();
     for plane in planes {
         for label in parts.partition.distinct_labels() {
             let height = |[u, v]: [f64; 2]| plane.height(&task.face.surface.point(u, v));
@@ -110,8 +110,8 @@ pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[Se
     let mut counts = Counts::of(&parts);
     parts = counts.base.clone();
     let known = certify::known_of(&built.certificate, &built.patchwork);
-    let wholes = Wholes { state, panels: &built.patchwork };
-    if parts.panels.len() == state.panels.len() {
+    let wholes = Wholes { cover, panels: &built.patchwork };
+    if parts.panels.len() == cover.panels.len() {
         let large = too_large(built, &task.options.limits);
         if large.is_empty() {
             return Some((parts, built.clone()));
@@ -137,27 +137,27 @@ pub(super) fn parted(task: &Task, (state, built): (&State, &Built), planes: &[Se
 
 /// Into how many parts regions are cut.
 struct Counts {
-    base: State,
+    base: Cover,
     /// Along and across, by region.
     counts: BTreeMap<u32, [usize; 2]>,
 }
 
 impl Counts {
     /// Regions in one part.
-    fn of(base: &State) -> Self {
+    fn of(base: &Cover) -> Self {
         // Parts are told by the fit that they share with their region, those that planes have cut too.
         let mut base = base.clone();
         base.panels.values_mut().for_each(|fit| *fit = Arc::new((**fit).clone()));
         Self { base, counts: BTreeMap::new() }
     }
 
-    fn whole_of(&self, parts: &State, part: u32) -> Option<u32> {
+    fn whole_of(&self, parts: &Cover, part: u32) -> Option<u32> {
         let fit = parts.region(part).fit()?;
         self.base.panels.iter().find(|(_, f)| Arc::ptr_eq(f, fit)).map(|(whole, _)| *whole)
     }
 
     /// The regions in equal parts, more of those whose parts are too large; `None` where such a part is of no region.
-    fn more(&mut self, parts: &State, large: &[(u32, [usize; 2])]) -> Option<State> {
+    fn more(&mut self, parts: &Cover, large: &[(u32, [usize; 2])]) -> Option<Cover> {
         let mut wanted: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
         for (part, parts_of) in large {
             let most = wanted.entry(self.whole_of(parts, *part)?).or_insert([1, 1]);
@@ -199,12 +199,12 @@ fn gridded(task: &Task) -> Option<Laid> {
         let wanted = [0, 1]
             .map(|k: usize| -> Vec<f64> { (1..counts[k]).map(|i| lines[k].at(i as f64 / counts[k] as f64)).collect() });
         // Cuts run along lines of the triangulation: beside them they would leave triangles that are too thin to be judged.
-        let state = exact_regions(task.face, &task.options, [&wanted[0], &wanted[1]])?;
-        let drawn = [0, 1].map(|k| drawn_lines(state.partition.vertices.iter().map(|v| v[k])));
+        let cover = exact_regions(task.face, &task.options, [&wanted[0], &wanted[1]])?;
+        let drawn = [0, 1].map(|k| drawn_lines(cover.partition.vertices.iter().map(|v| v[k])));
         let places = (0..2).flat_map(|k| wanted[k].iter().map(move |at| (k, *at)));
         let places: Vec<(usize, f64)> = places.map(|(k, at)| (k, nearest(&drawn[k], at))).collect();
         let heights: Vec<_> = places.iter().map(|&(k, at)| move |uv: [f64; 2]| uv[k] - at).collect();
-        let cut = exactly(state.cut_where(&heights), &task.options, task.control)?;
+        let cut = exactly(cover.cut_where(&heights), &task.options, task.control)?;
         let cut = task.laid(cut, Vec::new());
         fits(task, &cut).then_some(cut)
     })
@@ -217,16 +217,16 @@ fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
     let meridian = meridian(task.face, task.options.tolerance).filter(Meridian::is_whole)?;
     let (around, bounds) = (1 - meridian.along(), bounds(task.face));
     let goes_round = |ring: &u32| {
-        let places: Vec<f64> = laid.state.region(*ring).places().into_iter().map(|p| p[around]).collect();
+        let places: Vec<f64> = laid.cover.region(*ring).places().into_iter().map(|p| p[around]).collect();
         [bounds[2 * around], bounds[2 * around + 1]].iter().all(|end| places.contains(end))
     };
     // Sectors are as wide along their rulings as rings.
     let too_wide = limits.max_width.is_some_and(|most| laid.built.patterns.iter().any(|p| p.strip_width() > most));
-    if too_wide || !laid.state.panels.keys().all(goes_round) {
+    if too_wide || !laid.cover.panels.keys().all(goes_round) {
         return None;
     }
-    let drawn = drawn_lines(laid.state.partition.vertices.iter().map(|v| v[around]));
-    let mut counts: BTreeMap<u32, usize> = laid.state.panels.keys().map(|ring| (*ring, 1)).collect();
+    let drawn = drawn_lines(laid.cover.partition.vertices.iter().map(|v| v[around]));
+    let mut counts: BTreeMap<u32, usize> = laid.cover.panels.keys().map(|ring| (*ring, 1)).collect();
     let mut large: Vec<(u32, usize)> =
         too_large(&laid.built, limits).into_iter().map(|(ring, parts)| (ring, parts[0].max(parts[1]))).collect();
     for _ in 0..ROUNDS {
@@ -236,22 +236,22 @@ fn petals(task: &Task, laid: &Laid) -> Option<Laid> {
         if counts.values().sum::<usize>() > task.options.max_panels || task.control.stopped() {
             return None;
         }
-        let (mut state, mut rings) = (laid.state.clone(), BTreeMap::new());
+        let (mut cover, mut rings) = (laid.cover.clone(), BTreeMap::new());
         for (&ring, &count) in &counts {
             let mut petals = vec![ring];
             for k in 1..count {
                 let at = nearest(&drawn, meridian.around(k as f64 / count as f64));
                 for petal in petals.clone() {
-                    if let Some((cut, parts)) = state.cut_by(petal, |uv| uv[around] - at) {
+                    if let Some((cut, parts)) = cover.cut_by(petal, |uv| uv[around] - at) {
                         petals.retain(|p| *p != petal);
                         petals.extend(parts);
-                        state = cut;
+                        cover = cut;
                     }
                 }
             }
             rings.extend(petals.into_iter().map(|petal| (petal, ring)));
         }
-        let next = task.laid(state, laid.seams.clone());
+        let next = task.laid(cover, laid.seams.clone());
         if !next.accepted {
             return None;
         }
@@ -346,8 +346,8 @@ fn rank(task: &Task, laid: &Laid) -> (bool, usize, usize) {
 
 /// Cuts panels that are too large, each into equal parts.
 fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
-    let mut counts = Counts::of(&laid.state);
-    laid.state = counts.base.clone();
+    let mut counts = Counts::of(&laid.cover);
+    laid.cover = counts.base.clone();
     for _ in 0..ROUNDS {
         let large = too_large(&laid.built, &task.options.limits);
         let more: usize = large.iter().map(|l| l.1.iter().max().map_or(0, |m| m - 1)).sum();
@@ -356,7 +356,7 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
             break;
         }
         // Parts that were refused, and have torses of their own now, are cut each for itself.
-        let cut = counts.more(&laid.state, &large).unwrap_or_else(|| laid.state.cut_large(&large));
+        let cut = counts.more(&laid.cover, &large).unwrap_or_else(|| laid.cover.cut_large(&large));
         laid = task.laid(cut, laid.seams);
     }
     laid
@@ -367,11 +367,11 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
 fn sections(task: &Task, laid: &Laid) -> Vec<Vec<SeamPlane>> {
     let limits = &task.options.limits;
     let large = too_large(&laid.built, limits);
-    let axes = laid.state.axes();
+    let axes = laid.cover.axes();
     let mut out = Vec::new();
     for (k, limit) in [limits.longest(), limits.widest()].into_iter().enumerate() {
         let normal = near_axis(axes[k]);
-        let reach = laid.state.reach(&normal);
+        let reach = laid.cover.reach(&normal);
         let Some(limit) = limit.filter(|_| large.iter().any(|l| l.1[k] > 1)) else { continue };
         let least = ((reach[1] - reach[0]) / limit).ceil();
         if least.is_nan() || least > MOST_SECTIONS as f64 {

@@ -26,14 +26,14 @@ fn blunted(task: &Task, mut laid: Laid) -> Laid {
     }
     let least = |width: f64| task.options.limits.min_width.unwrap_or(SLIVER * width);
     let all: Vec<(u32, f64)> = sizes(&laid).into_iter().map(|(label, [width, _])| (label, least(width))).collect();
-    let pronged = parallel::map(all, |p| laid.state.region(p.0).has_prong(p.1).then_some(p));
+    let pronged = parallel::map(all, |p| laid.cover.region(p.0).has_prong(p.1).then_some(p));
     for (label, width) in pronged.into_iter().flatten() {
         if task.control.stopped() {
             break;
         }
         let options = task.options_with(&laid.seams);
-        let next = Job::new(task.face, &options, task.control).without_prong(laid.state.region(label), width);
-        let next = next.map(|state| task.laid(state, laid.seams.clone()));
+        let next = Job::new(task.face, &options, task.control).without_prong(laid.cover.region(label), width);
+        let next = next.map(|cover| task.laid(cover, laid.seams.clone()));
         laid = next.filter(|n| is_good(task, n, &laid)).unwrap_or(laid);
     }
     laid
@@ -47,8 +47,8 @@ fn without_slivers(task: &Task, mut laid: Laid) -> Laid {
             break;
         }
         let options = task.options_with(&laid.seams);
-        let next = Job::new(task.face, &options, task.control).without_sliver(laid.state.region(label));
-        let next = next.map(|state| task.laid(state, laid.seams.clone()));
+        let next = Job::new(task.face, &options, task.control).without_sliver(laid.cover.region(label));
+        let next = next.map(|cover| task.laid(cover, laid.seams.clone()));
         match next.filter(|n| is_better(task, n, &laid)) {
             Some(next) => laid = next,
             None => drop(kept.insert(label)),
@@ -82,7 +82,7 @@ fn sizes(laid: &Laid) -> BTreeMap<u32, [f64; 2]> {
 fn narrowest(task: &Task, laid: &Laid, kept: &BTreeSet<u32>) -> Option<u32> {
     let sizes = sizes(laid);
     let mut largest: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
-    for (a, b) in laid.state.partition.neighbours().into_keys() {
+    for (a, b) in laid.cover.partition.neighbours().into_keys() {
         for (a, b) in [(a, b), (b, a)] {
             let [width, area] = sizes.get(&b).copied().unwrap_or_default();
             let most = largest.entry(a).or_default();

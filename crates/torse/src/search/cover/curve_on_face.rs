@@ -3,7 +3,7 @@
 //! Parameter curves need nothing; sections with planes are followed through the triangles of the face, every crossing of
 //! a triangle's side solved for; points of curves in space are projected onto the surface.
 
-use super::state::State;
+use super::covered_face::Cover;
 use crate::brep::project::SurfaceProjector;
 use crate::geom::Vec3;
 use crate::num::hash::{HashMap, HashSet};
@@ -110,7 +110,7 @@ const POINTS: usize = 161;
 /// Normals of sections may differ from unit length by this: six printed digits.
 const UNIT_LENGTH: f64 = 1e-6;
 
-impl State {
+impl Cover {
     /// The pieces of a curve on a face, as points of the parameter plane. Pieces whose ends coincide are closed.
     ///
     /// # Errors

@@ -1,9 +1,9 @@
 //! Strip potentials whose bands follow what a user asks for, and rings (B2, B3): see `layout`.
 
+use super::covered_face::Cover;
 use super::job::Job;
 use super::layout::DirectionField;
 use super::region::Region;
-use super::state::State;
 use crate::fit::strip_potential::{directed_strip_potentials, StripPotential, StripPotentialOptions};
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
@@ -30,14 +30,14 @@ fn pulled_back(surface: &Surface, uv: [f64; 2], directions: &DirectionField) -> 
 
 impl Job<'_> {
     /// Cuts a region through the point that rings run around; the point, and all parts. `None` where one panel is enough.
-    pub(super) fn rings(&self, state: &mut State, label: u32) -> Option<(Vec3, Vec<u32>)> {
-        if self.single(state.region(label), None).accepted.is_some() {
+    pub(super) fn rings(&self, cover: &mut Cover, label: u32) -> Option<(Vec3, Vec<u32>)> {
+        if self.single(cover.region(label), None).accepted.is_some() {
             return None;
         }
-        let centre = state.region(label).middle()?;
-        let (_, axes) = state.region(label).axes();
+        let centre = cover.region(label).middle()?;
+        let (_, axes) = cover.region(label).axes();
         let surface = &self.face.surface;
-        Some((centre, state.parts(label, |p| axes[0].dot(&(surface.point(p[0], p[1]) - centre)))))
+        Some((centre, cover.parts(label, |p| axes[0].dot(&(surface.point(p[0], p[1]) - centre)))))
     }
 
     /// Strip potentials whose bands follow a direction field, from so many samples, with so many spans.
@@ -61,7 +61,7 @@ const TRIED: usize = 400;
 impl Region<'_> {
     /// The vertex that is farthest from the border.
     fn middle(&self) -> Option<Vec3> {
-        let border: Vec<Vec3> = self.border().into_iter().map(|(a, _)| self.state.point(a)).collect();
+        let border: Vec<Vec3> = self.border().into_iter().map(|(a, _)| self.cover.point(a)).collect();
         let points = self.points();
         let step = points.len().div_ceil(TRIED).max(1);
         let distance = |x: &Vec3| border.iter().map(|b| (b - x).norm_squared()).fold(f64::INFINITY, f64::min);

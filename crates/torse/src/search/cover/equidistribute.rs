@@ -7,10 +7,10 @@
 //! narrower than their band join the band beside them. Marching, which needs some trials per band one after the other,
 //! is left to regions where this fails; what it leaves is laid anew in this way where its errors say that this pays.
 
+use super::covered_face::Cover;
 use super::job::{Job, DISTANCE_SHARE};
 use super::propose::{Attempt, AttemptOptions};
 use super::region::{Density, Region};
-use super::state::State;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::num::hash::{HashMap, HashSet};
@@ -89,7 +89,7 @@ impl Job<'_> {
         field: &Field,
         (theory, density): (f64, &[f64]),
         budget: usize,
-    ) -> Option<(State, f64)> {
+    ) -> Option<(Cover, f64)> {
         if !(FEWEST..MOST_BANDS).contains(&theory) {
             return None;
         }
@@ -104,9 +104,9 @@ impl Job<'_> {
     /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even
     /// errors where that needs fewer panels or where one of the bands is but a remainder. `bare`: the region that `cover`
     /// covers, before it does.
-    pub(super) fn evened(&self, bare: Region, cover: State) -> State {
+    pub(super) fn evened(&self, bare: Region, cover: Cover) -> Cover {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let Some((field, fresh)) = bare.state.chain(&cover) else { return cover };
+        let Some((field, fresh)) = bare.cover.chain(&cover) else { return cover };
         let bands: Vec<[f64; 3]> = fresh
             .iter()
             .map(|l| {
@@ -128,7 +128,7 @@ impl Job<'_> {
         });
         let known = known.collect();
         let start = Start { levels: rise.levels(count), rise, known, rounds: ROUNDS_ANEW, most: fresh.len() };
-        let least = |state: &State| bare.state.newly(state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
+        let least = |cover: &Cover| bare.cover.newly(cover).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
         match self.settled(bare, &field, start, fresh.len()) {
             Some((s, _)) if s.panels.len() < cover.panels.len() || (uneven && least(&s) > least(&cover)) => s,
             _ => cover,
@@ -137,11 +137,11 @@ impl Job<'_> {
 
     /// Lays bands of `field` until their errors are even; see [`Job::equidistribute`].
     #[expect(clippy::too_many_lines, reason = "one descent with its state")]
-    fn settled(&self, region: Region, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
+    fn settled(&self, region: Region, field: &Field, start: Start, budget: usize) -> Option<(Cover, f64)> {
         let Start { mut rise, mut levels, mut known, rounds, most } = start;
         let mut count = levels.len() - 1;
         // Panels and largest share of the best cover, mean of what its bands leave of the tolerance, and itself.
-        let mut best: Option<((usize, f64), f64, State)> = None;
+        let mut best: Option<((usize, f64), f64, Cover)> = None;
         let levels_of = Arc::new(field.clone());
         let mut same = 0;
         // Fewer bands than this have failed.
@@ -233,7 +233,7 @@ impl Job<'_> {
     /// The bands between levels, with the best torse of each of their components: proven when all bands might do. Bands
     /// of the round before that have not moved keep the torses that are `known` for them; the others, where they are few,
     /// begin with that of the band with which they share the most.
-    fn laid(&self, region: Region, field: &Field, levels: &[f64], known: &[Known]) -> (State, Vec<Vec<BandPart>>) {
+    fn laid(&self, region: Region, field: &Field, levels: &[f64], known: &[Known]) -> (Cover, Vec<Vec<BandPart>>) {
         let (laid, mut pieces) = self.proposed(region, field, levels, known);
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
             let how = AttemptOptions { prove: true, ..proposals(known) };
@@ -255,8 +255,8 @@ impl Job<'_> {
     }
 
     /// As [`Job::laid`], nothing proven but what is known.
-    fn proposed(&self, region: Region, field: &Field, levels: &[f64], known: &[Known]) -> (State, Vec<Vec<BandPart>>) {
-        let (mut laid, label) = (region.state.clone(), region.label);
+    fn proposed(&self, region: Region, field: &Field, levels: &[f64], known: &[Known]) -> (Cover, Vec<Vec<BandPart>>) {
+        let (mut laid, label) = (region.cover.clone(), region.label);
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
             let fresh = laid.partition.fresh_label();
@@ -301,7 +301,7 @@ impl Job<'_> {
     }
 
     /// Bands between levels with the best torses at hand, good enough or not. `None` where some band has none.
-    pub(super) fn roughly_laid(&self, region: Region, field: &Arc<Field>, levels: &[f64]) -> Option<State> {
+    pub(super) fn roughly_laid(&self, region: Region, field: &Arc<Field>, levels: &[f64]) -> Option<Cover> {
         let (laid, mut bands) = self.proposed(region, field, levels, &[]);
         bands.iter_mut().flatten().for_each(|p| p.fit = p.fit.take().or(p.refused.take()));
         bands.iter().flatten().all(|p| p.fit.is_some()).then(|| finished(laid, bands, field))
@@ -344,16 +344,16 @@ fn bands_for(rise: f64) -> usize {
     (rise / AIM.sqrt()).ceil() as usize
 }
 
-impl State {
+impl Cover {
     /// The panels of a cover that are new to it.
-    fn newly<'a>(&'a self, cover: &'a State) -> impl Iterator<Item = (u32, &'a Arc<Fit>)> {
+    fn newly<'a>(&'a self, cover: &'a Cover) -> impl Iterator<Item = (u32, &'a Arc<Fit>)> {
         let is_new = |l: &u32, fit: &Arc<Fit>| self.panels.get(l).is_none_or(|f| !Arc::ptr_eq(f, fit));
         cover.panels.iter().filter(move |(l, fit)| is_new(l, fit)).map(|(l, fit)| (*l, fit))
     }
 
     /// The panels of a cover that are new to it and the function of which all of them are bands. `None` where there are
     /// others among them.
-    fn chain(&self, cover: &State) -> Option<(Arc<Field>, Vec<u32>)> {
+    fn chain(&self, cover: &Cover) -> Option<(Arc<Field>, Vec<u32>)> {
         let fresh: Vec<u32> = self.newly(cover).map(|p| p.0).collect();
         let field = cover.bands.get(fresh.first()?)?;
         let all = fresh.iter().all(|l| cover.bands.get(l).is_some_and(|f| Arc::ptr_eq(f, field)));
@@ -415,8 +415,8 @@ impl Known {
     }
 }
 
-/// The state with the panels of bands.
-fn finished(mut laid: State, bands: Vec<Vec<BandPart>>, levels_of: &Arc<Field>) -> State {
+/// The cover with the panels of bands.
+fn finished(mut laid: Cover, bands: Vec<Vec<BandPart>>, levels_of: &Arc<Field>) -> Cover {
     for p in bands.into_iter().flatten() {
         laid.bands.insert(p.label, Arc::clone(levels_of));
         laid.panels.extend(p.fit.map(|f| (p.label, f)));

@@ -1,9 +1,9 @@
 //! What is developable already stays what it is: the torse of the surface itself, tried before any other
 //! (docs/algorithms/cover.md, "What is developable already").
 
+use super::covered_face::Cover;
 use super::job::{CoverOptions, Job, DISTANCE_SHARE};
 use super::region::{Density, Region};
-use super::state::State;
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
 use crate::certify::distance::{distance, DistanceOptions};
@@ -46,8 +46,8 @@ const MOST_ROWS: usize = 100;
 pub(crate) fn is_developable(face: &Face, tolerance: f64) -> bool {
     // Most faces have no rulings among their parameter lines, which is seen at once.
     let Some(rulings) = Rulings::of(&face.surface, bounds(face), SLACK * tolerance) else { return false };
-    let Ok(state) = State::of_face(face, f64::INFINITY) else { return false };
-    exact(&rulings, &state.region(0).samples(), &asked(tolerance)).is_some()
+    let Ok(cover) = Cover::of_face(face, f64::INFINITY) else { return false };
+    exact(&rulings, &cover.region(0).samples(), &asked(tolerance)).is_some()
 }
 
 /// Whether a face is developable and bends without jumps of its curvature: planes and bends of a plate are not one.
@@ -71,24 +71,24 @@ fn asked(tolerance: f64) -> ExactOptions {
 
 /// A developable face as one panel, or one for each part into which seams asked for cut it, proven. `None` where it is
 /// not developable along its parameter lines, where limits forbid its torse, or where panels shall follow curves.
-pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, control: &Control) -> Option<State> {
+pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, control: &Control) -> Option<Cover> {
     if options.facets || !options.layout.curves.is_empty() {
         return None;
     }
-    let state = exactly(exact_regions(face, options, [&[], &[]])?, options, control)?;
-    (state.panels.len() <= options.max_panels).then_some(state)
+    let cover = exactly(exact_regions(face, options, [&[], &[]])?, options, control)?;
+    (cover.panels.len() <= options.max_panels).then_some(cover)
 }
 
 /// A developable face triangulated along its parameter lines, among them such of constant u and v, and parted along seams asked for and
 /// where it touches itself. `None` where it is not developable along its parameter lines.
-pub(in crate::search) fn exact_regions(face: &Face, options: &CoverOptions, among: [&[f64]; 2]) -> Option<State> {
+pub(in crate::search) fn exact_regions(face: &Face, options: &CoverOptions, among: [&[f64]; 2]) -> Option<Cover> {
     let rulings = Rulings::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
     let [u, v] = lines(&rulings, options.tolerance)?;
-    let mut state = State::on_lines(face, with_lines(u, among[0]), with_lines(v, among[1])).ok()?;
-    state.partition.split_components(0);
-    state.cut_along_seams(&options.layout, options.tolerance);
-    state.part_where_touching(rulings.is_swapped());
-    Some(state)
+    let mut cover = Cover::on_lines(face, with_lines(u, among[0]), with_lines(v, among[1])).ok()?;
+    cover.partition.split_components(0);
+    cover.cut_along_seams(&options.layout, options.tolerance);
+    cover.part_where_touching(rulings.is_swapped());
+    Some(cover)
 }
 
 /// Share of the way between two lines within which a third is left out: triangles beside it would be too thin to be judged.
@@ -107,7 +107,7 @@ fn with_lines(mut lines: Vec<f64>, more: &[f64]) -> Vec<f64> {
     lines
 }
 
-impl State {
+impl Cover {
     /// Parts regions whose border touches itself, as around holes that touch each other: a panel has one border that does not. Cut
     /// is along the ruling through the place; where holes lie side by side, so that they touch that ruling, across it too.
     fn part_where_touching(&mut self, swapped: bool) {
@@ -136,14 +136,14 @@ impl State {
 }
 
 /// The regions of a developable face with the torses of the surface itself, each as long as its region, proven.
-pub fn exactly(mut state: State, options: &CoverOptions, control: &Control) -> Option<State> {
-    let face = Arc::clone(&state.face);
+pub fn exactly(mut cover: Cover, options: &CoverOptions, control: &Control) -> Option<Cover> {
+    let face = Arc::clone(&cover.face);
     let job = Job::new(&face, options, control);
-    for label in state.partition.distinct_labels() {
-        let fit = job.exact(state.region(label))?;
-        state.panels.insert(label, fit);
+    for label in cover.partition.distinct_labels() {
+        let fit = job.exact(cover.region(label))?;
+        cover.panels.insert(label, fit);
     }
-    Some(state)
+    Some(cover)
 }
 
 /// Places between two knots with the turn of the normal from the first of them to each.
@@ -283,10 +283,10 @@ mod tests {
         let cases = [([50.0, 30.0], 2), ([30.0, 50.0], 4), ([20.0, 20.0], 1)];
         for (first, most) in cases {
             let face = trough(vec![hole(first, 10), hole([50.0, 50.0], 20)]);
-            let state = exactly_covered(&face, &options, &Control::default()).expect("a developable face");
-            let labels = state.partition.distinct_labels();
+            let cover = exactly_covered(&face, &options, &Control::default()).expect("a developable face");
+            let labels = cover.partition.distinct_labels();
             assert!((2.min(most)..=most).contains(&labels.len()), "{first:?}: {}", labels.len());
-            assert!(labels.iter().all(|l| state.partition.touching(*l).is_empty()), "{first:?}");
+            assert!(labels.iter().all(|l| cover.partition.touching(*l).is_empty()), "{first:?}");
         }
     }
 }

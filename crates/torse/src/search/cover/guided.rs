@@ -12,12 +12,12 @@
 //! not through every one of them exactly; curves are carried on straight in the parameter plane until they leave the
 //! face; closed curves become two halves.
 
+use super::covered_face::{Cover, Origin};
 use super::curve_on_face::{carried_on, CurveError, PanelCurve};
 use super::job::{Job, DISTANCE_SHARE};
 use super::layout::DirectionField;
 use super::march::{TRIALS, UNKNOWN};
 use super::region::Density;
-use super::state::{Origin, State};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
 use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
@@ -57,7 +57,7 @@ struct FrontLine {
 
 /// A strip that was accepted.
 struct Laid {
-    state: State,
+    cover: Cover,
     /// Borders, backward and forward.
     borders: [Vec<[f64; 2]>; 2],
     labels: Vec<u32>,
@@ -74,62 +74,62 @@ impl Job<'_> {
     /// A cover along curves: panels along these and fronts from there on, and what they leave free, unless strips that run in
     /// the direction of the nearest curve are clearly fewer. Envelopes lie on one side of the face, so their strips are
     /// narrower than those that lie on both, and a front begins where the last one ended whatever is left at its end.
-    pub(super) fn along_curves(&mut self, state: State, curves: &[PanelCurve]) -> State {
+    pub(super) fn along_curves(&mut self, cover: Cover, curves: &[PanelCurve]) -> Cover {
         let tolerance = self.options.tolerance;
-        let found = |c: &PanelCurve| state.lines_of(c, tolerance).unwrap_or_default();
+        let found = |c: &PanelCurve| cover.lines_of(c, tolerance).unwrap_or_default();
         let found: Vec<Vec<Vec<[f64; 2]>>> = curves.iter().map(found).collect();
         let in_space = |l: &Vec<[f64; 2]>| l.iter().map(|p| self.face.surface.point(p[0], p[1])).collect();
         let beside: Vec<Vec<Vec3>> = found.iter().flatten().map(in_space).collect();
         if beside.is_empty() {
-            return self.covered(state, &DirectionField::Free);
+            return self.covered(cover, &DirectionField::Free);
         }
         let directions = DirectionField::Beside(beside);
-        let promised = self.promised(&state, &directions);
-        if let Some(found) = promised.and_then(|n| self.within(&state, curves, MORE * n)) {
+        let promised = self.promised(&cover, &directions);
+        if let Some(found) = promised.and_then(|n| self.within(&cover, curves, MORE * n)) {
             return found;
         }
-        let directed = self.covered(state.clone(), &directions);
+        let directed = self.covered(cover.clone(), &directions);
         let count = directed.panels.len() as f64;
         if !directed.is_complete() || promised.is_none_or(|n| count > n) {
             let most = if directed.is_complete() { MORE * count } else { f64::INFINITY };
-            if let Some(found) = self.within(&state, curves, most).filter(|_| !self.control.stopped()) {
+            if let Some(found) = self.within(&cover, curves, most).filter(|_| !self.control.stopped()) {
                 return found;
             }
         }
         let named = curves.iter().map(|c| c.name.as_str()).zip(&found);
-        named.fold(directed, |state, (name, lines)| state.named(name, lines))
+        named.fold(directed, |cover, (name, lines)| cover.named(name, lines))
     }
 
     /// Number of strips that theory promises along a direction field; `None` where it says nothing.
-    fn promised(&self, state: &State, directions: &DirectionField<'_>) -> Option<f64> {
+    fn promised(&self, cover: &Cover, directions: &DirectionField<'_>) -> Option<f64> {
         let along = |label: &u32| {
-            let region = state.region(*label);
+            let region = cover.region(*label);
             let potential = self.directed_strip_potentials(directions, region, (700, 2)).into_iter().next()?;
             Some(self.bands_predicted(region, &potential).max(1.0))
         };
-        state.partition.distinct_labels().iter().map(along).sum()
+        cover.partition.distinct_labels().iter().map(along).sum()
     }
 
     /// At most so many panels along curves, on from there, and in what is left free.
-    fn within(&mut self, state: &State, curves: &[PanelCurve], most: f64) -> Option<State> {
+    fn within(&mut self, cover: &Cover, curves: &[PanelCurve], most: f64) -> Option<Cover> {
         let whole = self.options.max_panels;
         self.options.max_panels = whole.min(most.ceil() as usize);
-        let found = self.guided(state.clone(), curves);
+        let found = self.guided(cover.clone(), curves);
         let found = self.covered(found, &DirectionField::Free);
         self.options.max_panels = whole;
         found.is_complete().then_some(found)
     }
 
     /// Lays the panels along all curves of the layout, then the fronts; what stays free has no torse.
-    pub(super) fn guided(&self, mut state: State, curves: &[PanelCurve]) -> State {
-        let bounds = state.bounds();
+    pub(super) fn guided(&self, mut cover: Cover, curves: &[PanelCurve]) -> Cover {
+        let bounds = cover.bounds();
         let mut fronts: Vec<(String, usize, FrontLine, f64)> = Vec::new();
         for c in curves {
-            let Ok(found) = state.lines_of(c, self.options.tolerance) else { continue };
+            let Ok(found) = cover.lines_of(c, self.options.tolerance) else { continue };
             for line in found.into_iter().flat_map(opened) {
                 let Some(ruled) = self.ruled_torse(&line, bounds) else { continue };
-                if let Some(laid) = self.strip(&state, &ruled, None, &c.name, 0) {
-                    state = laid.state;
+                if let Some(laid) = self.strip(&cover, &ruled, None, &c.name, 0) {
+                    cover = laid.cover;
                     let [back, forth] = laid.borders;
                     fronts.push((c.name.clone(), 1, FrontLine { points: back, open: line.open }, -1.0));
                     fronts.push((c.name.clone(), 1, FrontLine { points: forth, open: line.open }, 1.0));
@@ -139,27 +139,27 @@ impl Job<'_> {
         // All fronts advance in turn.
         let mut fronts = std::collections::VecDeque::from(fronts);
         while let Some((name, step, border, side)) = fronts.pop_front() {
-            let full = state.panels.len() >= self.options.max_panels;
-            if self.control.stopped() || full || step > MOST_STRIPS || state.free().is_empty() {
+            let full = cover.panels.len() >= self.options.max_panels;
+            if self.control.stopped() || full || step > MOST_STRIPS || cover.free().is_empty() {
                 break;
             }
-            if let Some((laid, next)) = self.advanced(&state, &border, side, bounds, (&name, step)) {
-                state = laid;
+            if let Some((laid, next)) = self.advanced(&cover, &border, side, bounds, (&name, step)) {
+                cover = laid;
                 fronts.push_back((name, step + 1, FrontLine { points: next, open: border.open }, side));
             }
         }
-        state
+        cover
     }
 
     /// The strip ahead of a border, and its far border.
     fn advanced(
         &self,
-        state: &State,
+        cover: &Cover,
         border: &FrontLine,
         side: f64,
         bounds: [f64; 4],
         (name, step): (&str, usize),
-    ) -> Option<(State, Vec<[f64; 2]>)> {
+    ) -> Option<(Cover, Vec<[f64; 2]>)> {
         let surface = &self.face.surface;
         let on_border = self.ruled_torse(border, bounds)?;
         let forward = usize::from(side > 0.0);
@@ -174,12 +174,12 @@ impl Job<'_> {
             let line = FrontLine { points: ahead?, open: border.open };
             if let Some(ruled) = self.ruled_torse(&line, bounds) {
                 let limit = Ahead { side: forward, share };
-                if let Some(laid) = self.strip(state, &ruled, Some(limit), name, step) {
+                if let Some(laid) = self.strip(cover, &ruled, Some(limit), name, step) {
                     if laid.labels.is_empty() {
                         return None;
                     }
                     let [back, forth] = laid.borders;
-                    return Some((laid.state, if side > 0.0 { forth } else { back }));
+                    return Some((laid.cover, if side > 0.0 { forth } else { back }));
                 }
             }
             share *= 0.8;
@@ -206,7 +206,7 @@ impl Job<'_> {
     }
 
     /// The widest strip around the line that the certificate accepts, out of what is free.
-    fn strip(&self, state: &State, ruled: &RuledTorse, ahead: Option<Ahead>, name: &str, step: usize) -> Option<Laid> {
+    fn strip(&self, cover: &Cover, ruled: &RuledTorse, ahead: Option<Ahead>, name: &str, step: usize) -> Option<Laid> {
         let surface = &self.face.surface;
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let mut share = ahead.map_or(1.0, |a| a.share);
@@ -226,7 +226,7 @@ impl Job<'_> {
                 borders[k] = smoothed(&centre, &raw?, SMOOTHING);
             }
             let polygon: Vec<[f64; 2]> = borders[0].iter().chain(borders[1].iter().rev()).copied().collect();
-            let (mut trial, labels) = state.cut_out(&polygon);
+            let (mut trial, labels) = cover.cut_out(&polygon);
             let mut worst: f64 = 0.0;
             for &label in &labels {
                 let samples = trial.region(label).dense_samples(Density::Usual);
@@ -256,7 +256,7 @@ impl Job<'_> {
                     let origin = Origin { curve: name.to_owned(), step, paper_estimate: estimate };
                     trial.origins.insert(label, Arc::new(origin));
                 }
-                return Some(Laid { state: trial, borders, labels });
+                return Some(Laid { cover: trial, borders, labels });
             }
             let factor = if worst.is_finite() { (0.97 * allowed / worst).sqrt().clamp(0.5, 0.97) } else { UNKNOWN };
             share *= factor;
@@ -268,7 +268,7 @@ impl Job<'_> {
     }
 }
 
-impl State {
+impl Cover {
     /// Checks curves along which panels are to run: one result for each.
     pub(super) fn checked(&self, curves: &[PanelCurve], tolerance: f64) -> Vec<Result<(), CurveError>> {
         curves

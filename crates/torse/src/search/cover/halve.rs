@@ -1,17 +1,17 @@
 //! Regions divided in space (C6).
 
-use super::state::State;
+use super::covered_face::Cover;
 use crate::geom::Vec3;
 use std::sync::Arc;
 
-impl State {
+impl Cover {
     /// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
     /// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
     pub(super) fn halve(&mut self, label: u32, axis: usize) -> Option<Vec<u32>> {
         self.divide(label, axis, 2)
     }
 
-    /// As [`State::halve`], into equal parts of the extent.
+    /// As [`Cover::halve`], into equal parts of the extent.
     pub(super) fn divide(&mut self, label: u32, axis: usize, parts: usize) -> Option<Vec<u32>> {
         let (mean, axes) = self.region(label).axes();
         let direction = match axis {
@@ -72,21 +72,21 @@ mod tests {
     use crate::geom::Frame;
     use std::f64::consts::{FRAC_PI_2, PI};
 
-    fn cap(turn: f64, down_to: f64) -> State {
+    fn cap(turn: f64, down_to: f64) -> Cover {
         let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: 10.0 };
         let (surface, _) = sphere.to_spline((0.0, turn), (down_to, FRAC_PI_2)).expect("a sphere");
-        State::of_face(&Face::untrimmed(surface), 1.0).expect("triangles")
+        Cover::of_face(&Face::untrimmed(surface), 1.0).expect("triangles")
     }
 
     #[test]
     fn caps_round_a_pole_become_two_halves_that_end_on_it() {
-        let mut state = cap(2.0 * PI, 1.2);
-        let area = state.region(0).area();
-        let parts = state.cut_open(0).expect("two halves");
+        let mut cover = cap(2.0 * PI, 1.2);
+        let area = cover.region(0).area();
+        let parts = cover.cut_open(0).expect("two halves");
         assert_eq!(parts.len(), 2);
         for l in parts {
-            assert!((state.region(l).area() - 0.5 * area).abs() < 1e-6 * area);
-            assert_eq!(state.cut_open(l), None);
+            assert!((cover.region(l).area() - 0.5 * area).abs() < 1e-6 * area);
+            assert_eq!(cover.cut_open(l), None);
         }
     }
 

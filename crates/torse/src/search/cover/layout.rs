@@ -8,10 +8,10 @@
 //! Not guaranteed: the direction itself. Where a direction is asymptotic no strip follows it, and where bands fail the
 //! usual means (cuts, facets) take over: the tolerance comes first.
 
+use super::covered_face::Cover;
 use super::curve_on_face::{carried_on, PanelCurve};
 use super::region::Region;
 use super::seam_line::SeamLine;
-use super::state::State;
 use crate::geom::Vec3;
 use crate::num::hash::{HashMap, HashSet};
 use crate::patchwork::partition::edges;
@@ -112,7 +112,7 @@ fn tangent(lines: &[Vec<Vec3>], x: &Vec3) -> Option<Vec3> {
     best.map(|b| b.1)
 }
 
-impl State {
+impl Cover {
     /// The lines of curves on a face, as far as these run over it; those that end on it go on straight to its border.
     fn seam_lines_of(&self, curves: &[PanelCurve], tolerance: f64) -> Vec<SeamLine> {
         let bounds = self.bounds();
@@ -188,7 +188,7 @@ impl Region<'_> {
             heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
         };
         let same = |height: &dyn Fn(&Vec3) -> f64| side(self, height) == side(&other, height);
-        seams.iter().all(|s| same(&|x| s.height(x))) && self.state.seam_lines.iter().all(|l| same(&|x| l.height(x)))
+        seams.iter().all(|s| same(&|x| s.height(x))) && self.cover.seam_lines.iter().all(|l| same(&|x| l.height(x)))
     }
 }
 

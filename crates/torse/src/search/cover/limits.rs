@@ -1,6 +1,6 @@
 //! What a shop's sheets and material allow, and about how many panels that asks for.
 
-use super::state::{State, SAMPLES};
+use super::covered_face::{Cover, SAMPLES};
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 
@@ -89,7 +89,7 @@ pub(crate) fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Opt
 /// About how many panels a face asks for one after the other where they bend, and beside each other: the first is one where
 /// panels that bend with a radius (mm) or more follow the face within the tolerance (mm). See [`panels_needed`].
 pub(crate) fn bent_panels(face: &Face, radius: f64, tolerance: f64) -> Option<[f64; 2]> {
-    let forms = State::of_face(face, f64::INFINITY).ok()?.region(0).forms(SAMPLES);
+    let forms = Cover::of_face(face, f64::INFINITY).ok()?.region(0).forms(SAMPLES);
     let rate = |k: f64| (k.max(0.0) / tolerance).sqrt() / 4.0;
     let curvatures: Vec<[f64; 2]> = forms.iter().map(|f| f.principal().map(f64::abs)).collect();
     // Beside a pole the parametrisation says nothing.

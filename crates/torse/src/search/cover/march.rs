@@ -1,9 +1,9 @@
 //! Bands of a strip potential: greedy marching with width control, every component on its own (B3.6, C5).
 
+use super::covered_face::Cover;
 use super::job::{Job, DISTANCE_SHARE};
 use super::propose::AttemptOptions;
 use super::region::Region;
-use super::state::State;
 use crate::fit::near::centre_line::centre_line;
 use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
@@ -108,7 +108,7 @@ impl Job<'_> {
         potential: &StripPotential,
         budget: usize,
         depth: usize,
-    ) -> Option<State> {
+    ) -> Option<Cover> {
         let theory = 4.0 * self.options.tolerance.sqrt();
         let mut falling = potential.field.clone();
         falling.coefficients.iter_mut().for_each(|c| *c = -*c);
@@ -117,7 +117,7 @@ impl Job<'_> {
             let field = &Arc::new(field.clone());
             let lay = Lay { field, theory: Some(theory), strict: false, depth };
             self.march(
-                region.state.clone(),
+                region.cover.clone(),
                 region.label,
                 &lay,
                 theory,
@@ -135,23 +135,23 @@ impl Job<'_> {
     }
 
     /// Bands of a linear function, given up as soon as they exceed `limit`.
-    pub(super) fn swept(&self, region: Region, field: &Field, limit: Limit) -> Option<State> {
+    pub(super) fn swept(&self, region: Region, field: &Field, limit: Limit) -> Option<Cover> {
         let (lo, hi) = region.range(field);
         let field = &Arc::new(field.clone());
         let lay = Lay { field, theory: None, strict: true, depth: 0 };
-        self.march(region.state.clone(), region.label, &lay, 0.25 * (hi - lo), limit)
+        self.march(region.cover.clone(), region.label, &lay, 0.25 * (hi - lo), limit)
     }
 
-    fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: Limit) -> Option<State> {
-        let before = state.panels.len();
-        let (lo, hi) = state.region(label).range(lay.field);
+    fn march(&self, mut cover: Cover, label: u32, lay: &Lay, width: f64, limit: Limit) -> Option<Cover> {
+        let before = cover.panels.len();
+        let (lo, hi) = cover.region(label).range(lay.field);
         let whole = hi - lo;
         let mut open = vec![Rest { label, width, narrow: 0 }];
         let mut skipped = 0;
         while let Some(rest) = open.pop() {
-            let used = state.panels.len() - before;
+            let used = cover.panels.len() - before;
             if self.control.stopped() {
-                return Some(state);
+                return Some(cover);
             }
             if limit.excludes(used + open.len() + 1) {
                 return None;
@@ -159,52 +159,52 @@ impl Job<'_> {
             if rest.narrow >= PATIENCE {
                 // The strip potential is poor here: what is left gets one of its own.
                 let budget = limit.panels().saturating_sub(used + open.len());
-                state = self.region_covered(state, rest.label, budget, lay.depth + 1)?;
+                cover = self.region_covered(cover, rest.label, budget, lay.depth + 1)?;
                 continue;
             }
-            match self.band(&state, &rest, lay) {
+            match self.band(&cover, &rest, lay) {
                 Some((next, more)) => {
-                    state = next;
+                    cover = next;
                     open.extend(more);
                 }
                 None if lay.strict => return None,
                 None => {
                     let budget = limit.panels().saturating_sub(used + open.len());
-                    let (lo, hi) = state.region(rest.label).range(lay.field);
+                    let (lo, hi) = cover.region(rest.label).range(lay.field);
                     if hi - lo > BEHIND * width && skipped < SKIPS {
                         // The end resists: it is left behind for other means, and the march goes on beyond it.
                         skipped += 1;
-                        let end = state.partition.fresh_label();
+                        let end = cover.partition.fresh_label();
                         let level = lo + width;
-                        state.cut(rest.label, end, |p| level - lay.field.value(p));
-                        let ahead = state.partition.split_components(rest.label);
-                        for label in state.partition.split_components(end) {
-                            let used = state.panels.len() - before;
+                        cover.cut(rest.label, end, |p| level - lay.field.value(p));
+                        let ahead = cover.partition.split_components(rest.label);
+                        for label in cover.partition.split_components(end) {
+                            let used = cover.panels.len() - before;
                             let budget = limit.panels().saturating_sub(used + open.len() + ahead.len());
-                            state = self.region_covered(state, label, budget, lay.depth + 1)?;
+                            cover = self.region_covered(cover, label, budget, lay.depth + 1)?;
                         }
                         open.extend(ahead.into_iter().map(|label| Rest { label, width, narrow: 0 }));
                         continue;
                     }
                     // A strip potential of its own may do better on what is left; the whole region must be cut.
-                    state = if hi - lo < FRESH * whole {
-                        self.region_covered(state, rest.label, budget, lay.depth + 1)?
+                    cover = if hi - lo < FRESH * whole {
+                        self.region_covered(cover, rest.label, budget, lay.depth + 1)?
                     } else {
-                        self.bisect(state, rest.label, budget, lay.depth + 1)?
+                        self.bisect(cover, rest.label, budget, lay.depth + 1)?
                     };
                 }
             }
         }
-        Some(state)
+        Some(cover)
     }
 
     /// The widest acceptable band at the lower end of a region; the components of the rest go on by themselves.
     #[expect(clippy::too_many_lines, reason = "one march with its state")]
-    fn band(&self, state: &State, rest: &Rest, lay: &Lay) -> Option<(State, Vec<Rest>)> {
-        let (lo, hi) = state.region(rest.label).range(lay.field);
+    fn band(&self, cover: &Cover, rest: &Rest, lay: &Lay) -> Option<(Cover, Vec<Rest>)> {
+        let (lo, hi) = cover.region(rest.label).range(lay.field);
         let narrowest = lay.theory.map_or((hi - lo) / 60.0, |t| NARROWEST * t);
         let mut width = rest.width;
-        let mut accepted: Option<(f64, State, Vec<u32>)> = None;
+        let mut accepted: Option<(f64, Cover, Vec<u32>)> = None;
         let (mut too_wide, mut good) = (f64::INFINITY, 0.0);
         let mut whole_failed = false;
         // The torse of the last trial.
@@ -219,7 +219,7 @@ impl Job<'_> {
                 width = 0.5 * (hi - lo);
             }
             let whole = !whole_failed && lo + width * (1.0 + REST) >= hi;
-            let mut trial = state.clone();
+            let mut trial = cover.clone();
             let band_label = if whole {
                 width = hi - lo;
                 rest.label
@@ -292,12 +292,12 @@ impl Job<'_> {
                 break;
             }
         }
-        let (width, state, others) = accepted?;
+        let (width, cover, others) = accepted?;
         let poor = lay.theory.is_some_and(|t| width < POOR_WIDTH * t);
         let narrow = if poor { rest.narrow + 1 } else { 0 };
         // The next march starts hopeful again where a single band was narrow.
         let width = if poor { width * 1.5 } else { width };
-        Some((state, others.into_iter().map(|label| Rest { label, width, narrow }).collect()))
+        Some((cover, others.into_iter().map(|label| Rest { label, width, narrow }).collect()))
     }
 
     /// Centre line of a band: the level of its field at the value `middle`.

@@ -1,9 +1,9 @@
 //! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
 
+use super::covered_face::Cover;
 use super::job::Job;
 use super::march::REST;
 use super::region::{Density, Region};
-use super::state::State;
 use crate::fit::near::dual::CentrePoint;
 use crate::num::hash::{HashMap, HashSet};
 use std::sync::Arc;
@@ -14,7 +14,7 @@ const TWO_STEPS: usize = 4;
 
 impl Job<'_> {
     /// Two panels with a plane cut between them, if that is enough.
-    pub(super) fn two(&self, region: Region) -> Option<State> {
+    pub(super) fn two(&self, region: Region) -> Option<Cover> {
         let (mean, axes) = region.axes();
         for k in 0..TWO_DIRECTIONS {
             let angle = std::f64::consts::PI * k as f64 / TWO_DIRECTIONS as f64;
@@ -25,7 +25,7 @@ impl Job<'_> {
                     return None;
                 }
                 let at = 0.5 * (lo + hi);
-                let mut trial = region.state.clone();
+                let mut trial = region.cover.clone();
                 let Some(parts) = trial.cut_across(region.label, &mean, &direction, at) else {
                     break;
                 };
@@ -48,7 +48,7 @@ impl Job<'_> {
 
     /// Gives a region without a panel to a neighbour whose torse is good for both, but for one that must not have it: the
     /// end of slivers that are too thin to be panels.
-    pub(super) fn absorbed(&self, region: Region, but: Option<u32>) -> Option<State> {
+    pub(super) fn absorbed(&self, region: Region, but: Option<u32>) -> Option<Cover> {
         self.around(region).into_iter().filter(|n| Some(n.label) != but).find_map(|n| {
             let mut trial = region.joined_to(n.label);
             let fit = n.fit()?;
@@ -62,7 +62,7 @@ impl Job<'_> {
     }
 
     /// A region without a panel and a neighbour covered by one new panel, if that is enough.
-    pub(super) fn as_one(&self, region: Region) -> Option<State> {
+    pub(super) fn as_one(&self, region: Region) -> Option<Cover> {
         self.around(region).into_iter().find_map(|n| {
             let mut trial = region.joined_to(n.label);
             let fit = self.single(trial.region(n.label), None).accepted?;
@@ -72,7 +72,7 @@ impl Job<'_> {
     }
 
     /// A region without a panel and a neighbour covered by two new panels of equal extent, if that is enough.
-    pub(super) fn shared(&self, region: Region) -> Option<State> {
+    pub(super) fn shared(&self, region: Region) -> Option<Cover> {
         self.around(region).into_iter().find_map(|n| {
             let mut trial = region.joined_to(n.label);
             trial.panels.remove(&n.label);
@@ -82,7 +82,7 @@ impl Job<'_> {
 
     /// Neighbours of a region that have panels and may be joined with it, those with the longest common border first.
     fn around<'b>(&self, region: Region<'b>) -> Vec<Region<'b>> {
-        let beside = region.neighbours().into_iter().map(|n| region.state.region(n));
+        let beside = region.neighbours().into_iter().map(|n| region.cover.region(n));
         beside.filter(|n| n.fit().is_some() && region.is_on_same_side_as(*n, &self.options.layout.seams)).collect()
     }
 
@@ -98,42 +98,42 @@ impl Job<'_> {
     }
 
     /// Merges adjacent panels as long as single torses fit their unions.
-    pub(super) fn merged(&self, mut state: State) -> State {
+    pub(super) fn merged(&self, mut cover: Cover) -> Cover {
         let mut failed: HashSet<(u32, u32)> = HashSet::default();
         loop {
-            let areas: HashMap<u32, f64> = state.panels.keys().map(|&l| (l, state.region(l).area())).collect();
-            let mut pairs: Vec<((u32, u32), f64)> = state
+            let areas: HashMap<u32, f64> = cover.panels.keys().map(|&l| (l, cover.region(l).area())).collect();
+            let mut pairs: Vec<((u32, u32), f64)> = cover
                 .partition
                 .neighbours()
                 .into_iter()
                 .filter(|(p, shared)| *shared >= 2 && !failed.contains(p))
-                .filter(|((a, b), _)| state.region(*a).is_on_same_side_as(state.region(*b), &self.options.layout.seams))
+                .filter(|((a, b), _)| cover.region(*a).is_on_same_side_as(cover.region(*b), &self.options.layout.seams))
                 // Panels along curves stay as they were laid.
-                .filter(|((a, b), _)| !state.origins.contains_key(a) && !state.origins.contains_key(b))
+                .filter(|((a, b), _)| !cover.origins.contains_key(a) && !cover.origins.contains_key(b))
                 .filter_map(|((a, b), _)| Some(((a, b), areas.get(&a)? + areas.get(&b)?)))
                 .collect();
             pairs.sort_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));
             let mut done = true;
             for ((a, b), _) in pairs {
                 if self.control.stopped() {
-                    return state;
+                    return cover;
                 }
-                let mut trial = state.region(b).joined_to(a);
+                let mut trial = cover.region(b).joined_to(a);
                 let small = areas[&a].min(areas[&b]) < REST * areas[&a].max(areas[&b]);
-                let line = small.then(|| self.common_line(trial.region(a), [a, b].map(|l| state.region(l)))).flatten();
+                let line = small.then(|| self.common_line(trial.region(a), [a, b].map(|l| cover.region(l)))).flatten();
                 let t = self.single(trial.region(a), line.as_deref());
                 if let Some(fit) = t.accepted {
                     trial.panels.remove(&b);
                     trial.panels.insert(a, Arc::clone(&fit));
                     failed.retain(|&(x, y)| x != a && y != a && x != b && y != b);
-                    state = trial;
+                    cover = trial;
                     done = false;
                     break;
                 }
                 failed.insert((a, b));
             }
             if done {
-                return state;
+                return cover;
             }
         }
     }

@@ -11,6 +11,7 @@
 //!
 //! This file holds the recursion; `propose` fits and proves single torses, `march` lays bands.
 
+mod covered_face;
 mod curve_on_face;
 mod directed_bands;
 mod equidistribute;
@@ -29,7 +30,6 @@ mod region;
 mod revolved;
 mod seam_line;
 mod signs;
-mod state;
 mod umbilic;
 mod whole_face;
 
@@ -44,6 +44,7 @@ use crate::num::parallel;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
+pub use covered_face::{Cover, Origin};
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
 pub use exact::exactly;
 pub(in crate::search) use exact::{exact_regions, exactly_covered};
@@ -61,7 +62,6 @@ use region::Density;
 pub use region::Region;
 pub(crate) use revolved::is_all_round;
 pub(in crate::search) use revolved::{meridian, revolved};
-pub use state::{Origin, State};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 use umbilic::Star;
@@ -114,19 +114,19 @@ impl Straight {
 ///
 /// # Errors
 /// Trim loops that cannot be triangulated.
-pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<State, TriangulateError> {
-    if let Some(state) = exactly_covered(face, options, control) {
-        return Ok(state);
+pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<Cover, TriangulateError> {
+    if let Some(cover) = exactly_covered(face, options, control) {
+        return Ok(cover);
     }
-    let mut state = State::bare(face, options.tolerance)?;
-    state.cut_along_seams(&options.layout, options.tolerance);
+    let mut cover = Cover::bare(face, options.tolerance)?;
+    cover.cut_along_seams(&options.layout, options.tolerance);
     let mut job = Job::new(face, options, control);
     Ok(match options.layout.curves.as_slice() {
         [] => {
             let directions = options.layout.guide.as_ref().map_or(DirectionField::Free, DirectionField::Along);
-            job.covered(state, &directions)
+            job.covered(cover, &directions)
         }
-        curves => job.along_curves(state, curves),
+        curves => job.along_curves(cover, curves),
     })
 }
 
@@ -139,7 +139,7 @@ pub(crate) fn check_curves(
     curves: &[PanelCurve],
     tolerance: f64,
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
-    Ok(State::of_face(face, f64::INFINITY)?.checked(curves, tolerance))
+    Ok(Cover::of_face(face, f64::INFINITY)?.checked(curves, tolerance))
 }
 
 /// As [`check_curves`], for curves of seams: any curve on a face is of use.
@@ -148,16 +148,16 @@ pub(crate) fn check_seam_curves(
     curves: &[PanelCurve],
     tolerance: f64,
 ) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
-    let state = State::of_face(face, f64::INFINITY)?;
-    Ok(curves.iter().map(|c| state.lines_of(c, tolerance).map(drop)).collect())
+    let cover = Cover::of_face(face, f64::INFINITY)?;
+    Ok(curves.iter().map(|c| cover.lines_of(c, tolerance).map(drop)).collect())
 }
 
 impl<'a> Job<'a> {
     /// Covers all regions that have no torse yet; strips that have a direction field run along it, or in rings.
-    fn covered(&mut self, mut state: State, directions: &DirectionField<'a>) -> State {
-        for label in state.free() {
+    fn covered(&mut self, mut cover: Cover, directions: &DirectionField<'a>) -> Cover {
+        for label in cover.free() {
             let around = match self.options.layout.kind {
-                LayoutKind::Rings => self.rings(&mut state, label),
+                LayoutKind::Rings => self.rings(&mut cover, label),
                 LayoutKind::Auto | LayoutKind::Strips => None,
             };
             let (directions, parts) = match around {
@@ -166,37 +166,37 @@ impl<'a> Job<'a> {
             };
             self.directions = directions;
             for part in parts {
-                let left = self.options.max_panels.saturating_sub(state.panels.len());
-                if let Some(next) = self.region_covered(state.clone(), part, left, 0) {
-                    state = next;
+                let left = self.options.max_panels.saturating_sub(cover.panels.len());
+                if let Some(next) = self.region_covered(cover.clone(), part, left, 0) {
+                    cover = next;
                 }
             }
         }
-        state
+        cover
     }
 
     /// Covers the region `label` with at most `budget` panels. `None`: over budget, stopped, or out of depth.
     #[expect(clippy::too_many_lines, reason = "one story of a face, attempt by attempt")]
-    pub(crate) fn region_covered(&self, state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+    pub(crate) fn region_covered(&self, cover: Cover, label: u32, budget: usize, depth: usize) -> Option<Cover> {
         if budget == 0 {
             return None;
         }
         if self.control.stopped() {
-            return Some(state);
+            return Some(cover);
         }
-        let before = state.panels.len();
-        let region = state.region(label);
+        let before = cover.panels.len();
+        let region = cover.region(label);
         let attempt = self.single(region, None);
         if let Some(fit) = attempt.accepted {
-            let mut state = state;
-            state.panels.insert(label, fit);
-            return Some(state);
+            let mut cover = cover;
+            cover.panels.insert(label, fit);
+            return Some(cover);
         }
         if self.control.stopped() {
-            return Some(state);
+            return Some(cover);
         }
         if depth >= FACET_DEPTH || self.options.facets {
-            return self.bisect(state, label, budget, depth);
+            return self.bisect(cover, label, budget, depth);
         }
         let free = matches!(self.directions, DirectionField::Free);
         let fewest = free && self.options.layout.kind == LayoutKind::Auto;
@@ -205,10 +205,10 @@ impl<'a> Job<'a> {
                 return Some(next);
             }
         }
-        let mut best: Option<State> = None;
+        let mut best: Option<Cover> = None;
         let mut limit = budget;
         let top = depth == 0;
-        let keep = |next: State, best: &mut Option<State>, limit: &mut usize| {
+        let keep = |next: Cover, best: &mut Option<Cover>, limit: &mut usize| {
             let next = if top { self.merged(next) } else { next };
             let n = next.panels.len().saturating_sub(before);
             // A candidate cut short by the clock has few panels because it is unfinished.
@@ -247,7 +247,7 @@ impl<'a> Job<'a> {
         let worth_it = |l: &StripPotential| best.is_none() || l.merit / four <= most;
         let tried: Vec<&StripPotential> = good.iter().copied().filter(|l| worth_it(l)).collect();
         for (i, l) in tried.into_iter().enumerate() {
-            let near = |b: &State| near_theory((b.panels.len() - before) as f64);
+            let near = |b: &Cover| near_theory((b.panels.len() - before) as f64);
             if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
             }
@@ -300,7 +300,7 @@ impl<'a> Job<'a> {
         // A part that must do with what another cover leaves has had its chance: halves of it, and of every part around it in turn,
         // need no fewer panels, and are without number.
         if best.is_none() && (depth == 0 || budget > UNLIMITED) {
-            if let Some(next) = self.bisect(state, label, budget, depth) {
+            if let Some(next) = self.bisect(cover, label, budget, depth) {
                 limit = budget;
                 keep(next, &mut best, &mut limit);
             }
@@ -343,7 +343,7 @@ impl<'a> Job<'a> {
     /// the strip potential falls short.
     fn bands_predicted(&self, region: Region, l: &StripPotential) -> f64 {
         let width = 4.0 * self.options.tolerance.sqrt();
-        let (partition, cells) = (&region.state.partition, region.cells());
+        let (partition, cells) = (&region.cover.partition, region.cells());
         let value = |t: usize| l.field.value(centroid(partition.corners(t)));
         let lo = cells.iter().map(|&t| value(t)).fold(f64::INFINITY, f64::min);
         let bands: HashMap<usize, i64> =
@@ -380,7 +380,7 @@ impl<'a> Job<'a> {
         directions: &[Straight],
         curved: f64,
         budget: usize,
-    ) -> Option<(State, f64)> {
+    ) -> Option<(Cover, f64)> {
         directions
             .iter()
             .take(CANDIDATES)
@@ -389,9 +389,9 @@ impl<'a> Job<'a> {
     }
 
     /// Straight bands marched in those of several directions that promise fewer than `most`; the fewest win (C5b).
-    fn sweep(&self, region: Region, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
+    fn sweep(&self, region: Region, budget: usize, directions: &[Straight], most: f64) -> Option<Cover> {
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
-        let before = region.state.panels.len();
+        let before = region.cover.panels.len();
         // Without a limit, directions of which nothing can be said are tried too.
         let tried = directions.iter().enumerate().filter(|(_, s)| most.is_infinite() || s.promised < most);
         let found = parallel::map(tried, |(rank, s)| {
@@ -406,15 +406,15 @@ impl<'a> Job<'a> {
 
     /// Cuts a region for which no strip potential is good, where the parts together promise fewer strips (C4): by sign, in
     /// halves, or through a flat point.
-    fn divided(&self, region: Region, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
+    fn divided(&self, region: Region, budget: usize, depth: usize, stars: &[Star]) -> Option<Cover> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |part: Region| {
             let options =
                 StripPotentialOptions { rounds: 3, control: self.control.clone(), ..StripPotentialOptions::default() };
             strip_potential(&part.forms(160), &part.places(), &options)
         };
-        let candidates: Vec<(f64, State, Vec<u32>)> = parallel::map(0..4 + stars.len(), |k| {
-            let mut s = region.state.clone();
+        let candidates: Vec<(f64, Cover, Vec<u32>)> = parallel::map(0..4 + stars.len(), |k| {
+            let mut s = region.cover.clone();
             let parts = match k {
                 0 => s.cut_by_sign(region.label)?,
                 1..4 => s.halve(region.label, k - 1)?,
@@ -434,20 +434,20 @@ impl<'a> Job<'a> {
     }
 
     /// Covers several regions one after the other within a common budget.
-    fn parts(&self, mut state: State, parts: &[u32], budget: usize, depth: usize) -> Option<State> {
-        let before = state.panels.len();
+    fn parts(&self, mut cover: Cover, parts: &[u32], budget: usize, depth: usize) -> Option<Cover> {
+        let before = cover.panels.len();
         for (i, &p) in parts.iter().enumerate() {
-            let used = state.panels.len() - before;
+            let used = cover.panels.len() - before;
             let rest = parts.len() - 1 - i;
-            state = self.region_covered(state, p, budget.checked_sub(used + rest)?, depth + 1)?;
+            cover = self.region_covered(cover, p, budget.checked_sub(used + rest)?, depth + 1)?;
         }
-        Some(state)
+        Some(cover)
     }
 
     /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
-    fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = state.halve(label, 0)?;
-        self.parts(state, &parts, budget, depth)
+    fn bisect(&self, mut cover: Cover, label: u32, budget: usize, depth: usize) -> Option<Cover> {
+        let parts = cover.halve(label, 0)?;
+        self.parts(cover, &parts, budget, depth)
     }
 }
 
@@ -455,8 +455,8 @@ impl<'a> Job<'a> {
 /// `range/(4√ε)`, the fewest that theory allows (approximation specification B2) as far as the strip potential is
 /// the best. `None` where no strip potential covers the face: planes, mixed curvature.
 pub(crate) fn band_range(face: &Face) -> Option<f64> {
-    let state = State::of_face(face, f64::INFINITY).ok()?;
-    let region = state.region(0);
+    let cover = Cover::of_face(face, f64::INFINITY).ok()?;
+    let region = cover.region(0);
     let options = StripPotentialOptions { spans: 3, ..StripPotentialOptions::default() };
     let best = strip_potentials(&region.forms(1500), &region.places(), &options).into_iter().next()?;
     (best.merit <= POOR * best.range).then_some(best.merit)
@@ -464,19 +464,19 @@ pub(crate) fn band_range(face: &Face) -> Option<f64> {
 
 /// As [`band_range`], from few samples and in little time: for comparing faces.
 pub(crate) fn strip_range(face: &Face) -> Option<f64> {
-    let state = State::of_face(face, f64::INFINITY).ok()?;
+    let cover = Cover::of_face(face, f64::INFINITY).ok()?;
     let options = StripPotentialOptions { rounds: 3, ..StripPotentialOptions::default() };
-    let region = state.region(0);
+    let region = cover.region(0);
     let best = strip_potential(&region.forms(160), &region.places(), &options)?;
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
 /// Whether one panel is proven to cover a face within a tolerance (mm).
 pub(crate) fn has_one_panel(face: &Face, tolerance: f64, control: &Control) -> bool {
-    let Ok(state) = State::bare(face, tolerance) else { return false };
+    let Ok(cover) = Cover::bare(face, tolerance) else { return false };
     let options = CoverOptions::new(tolerance);
-    match state.partition.distinct_labels()[..] {
-        [label] => Job::new(face, &options, control).single(state.region(label), None).accepted.is_some(),
+    match cover.partition.distinct_labels()[..] {
+        [label] => Job::new(face, &options, control).single(cover.region(label), None).accepted.is_some(),
         _ => false,
     }
 }
@@ -492,8 +492,8 @@ impl Job<'_> {
     /// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
     /// by two.
     /// `None` where neither can be proven.
-    pub(crate) fn without_sliver(&self, region: Region) -> Option<State> {
-        let mut bare = region.state.clone();
+    pub(crate) fn without_sliver(&self, region: Region) -> Option<Cover> {
+        let mut bare = region.cover.clone();
         bare.panels.remove(&region.label);
         let bare = bare.region(region.label);
         self.absorbed(bare, None).or_else(|| self.as_one(bare)).or_else(|| self.shared(bare))
@@ -501,19 +501,19 @@ impl Job<'_> {
 
     /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
     /// anew.
-    pub(crate) fn cut_refused(&self, state: &State, refused: &[u32]) -> Option<State> {
-        let mut state = state.clone();
+    pub(crate) fn cut_refused(&self, cover: &Cover, refused: &[u32]) -> Option<Cover> {
+        let mut cover = cover.clone();
         for &label in refused {
-            state.panels.remove(&label);
-            if let Some(next) = self.absorbed(state.region(label), None) {
-                state = next;
+            cover.panels.remove(&label);
+            if let Some(next) = self.absorbed(cover.region(label), None) {
+                cover = next;
                 continue;
             }
-            state = match state.cut_open(label) {
-                Some(parts) => self.parts(state, &parts, usize::MAX, 0)?,
-                None => self.bisect(state, label, usize::MAX, 0)?,
+            cover = match cover.cut_open(label) {
+                Some(parts) => self.parts(cover, &parts, usize::MAX, 0)?,
+                None => self.bisect(cover, label, usize::MAX, 0)?,
             };
         }
-        Some(state)
+        Some(cover)
     }
 }

@@ -1,9 +1,9 @@
 //! Prongs: narrow parts that reach far beyond the rest of a region. They bend where they should not when a panel is handled,
 //! and are given to a neighbour where that can be proven.
 
+use super::covered_face::Cover;
 use super::job::Job;
 use super::region::Region;
-use super::state::State;
 use crate::geom::segment::share;
 use crate::geom::Vec3;
 use std::sync::Arc;
@@ -23,9 +23,9 @@ impl Prong {
     /// The longest part of a region that is narrower than `width` (mm), as fine as its triangles; `None` if none is long, or all
     /// of the region is narrow.
     pub(super) fn of(region: Region, width: f64) -> Option<Self> {
-        let state = region.state;
-        let border: Vec<[Vec3; 2]> = region.border().into_iter().map(|(a, b)| [a, b].map(|v| state.point(v))).collect();
-        let middles: Vec<Vec3> = region.cells().into_iter().map(|t| state.middle(t)).collect();
+        let cover = region.cover;
+        let border: Vec<[Vec3; 2]> = region.border().into_iter().map(|(a, b)| [a, b].map(|v| cover.point(v))).collect();
+        let middles: Vec<Vec3> = region.cells().into_iter().map(|t| cover.middle(t)).collect();
         let is_inside = |x: &Vec3| border.iter().all(|s| squared_distance(x, s) >= 0.25 * width * width);
         let (core, narrow): (Vec<Vec3>, Vec<Vec3>) = middles.iter().partition(|x| is_inside(x));
         let from_core = |tip: &Vec3| {
@@ -37,25 +37,25 @@ impl Prong {
     }
 
     /// Cuts it off beside its root; its label. `None` if that separates nothing.
-    fn cut_off(&self, state: &mut State, label: u32, width: f64) -> Option<u32> {
+    fn cut_off(&self, cover: &mut Cover, label: u32, width: f64) -> Option<u32> {
         let axis = (self.tip - self.root).normalize();
-        let face = Arc::clone(&state.face);
+        let face = Arc::clone(&cover.face);
         let height = |p: [f64; 2]| axis.dot(&(face.surface.point(p[0], p[1]) - self.root)) - 0.5 * width;
-        let parts = state.parted(label, height)?;
-        let far = |t: usize| (state.middle(t) - self.tip).norm();
-        let all = 0..state.partition.triangles.len();
+        let parts = cover.parted(label, height)?;
+        let far = |t: usize| (cover.middle(t) - self.tip).norm();
+        let all = 0..cover.partition.triangles.len();
         let there =
-            all.filter(|t| parts.contains(&state.partition.labels[*t])).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
-        let prong = state.partition.labels[there];
+            all.filter(|t| parts.contains(&cover.partition.labels[*t])).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
+        let prong = cover.partition.labels[there];
         // What else lies beyond the cut stays where it was.
-        let fresh = state.partition.fresh_label();
+        let fresh = cover.partition.fresh_label();
         let renamed = |l: u32| match l {
             l if l == prong => fresh,
             l if parts.contains(&l) => label,
             l => l,
         };
-        state.partition.labels.iter_mut().for_each(|l| *l = renamed(*l));
-        (!state.region(label).cells().is_empty()).then_some(fresh)
+        cover.partition.labels.iter_mut().for_each(|l| *l = renamed(*l));
+        (!cover.region(label).cells().is_empty()).then_some(fresh)
     }
 }
 
@@ -74,9 +74,9 @@ impl Region<'_> {
 impl Job<'_> {
     /// The longest prong of a panel given to a neighbour whose torse is good for it. `None` if there is no prong, or none can
     /// have it.
-    pub(crate) fn without_prong(&self, region: Region, width: f64) -> Option<State> {
+    pub(crate) fn without_prong(&self, region: Region, width: f64) -> Option<Cover> {
         let prong = Prong::of(region, width)?;
-        let mut cut = region.state.clone();
+        let mut cut = region.cover.clone();
         let part = prong.cut_off(&mut cut, region.label, width)?;
         self.absorbed(cut.region(part), Some(region.label))
     }
@@ -89,37 +89,37 @@ mod tests {
     use crate::spline::knots::Knots;
 
     /// A square of 1 m in cells of 20 mm, a region of which reaches with `height` (mm) along one side below another region.
-    fn state(height: f64) -> State {
+    fn cover(height: f64) -> Cover {
         let line = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
         let corner = |x: f64, y: f64| Vec3::new(1000.0 * x, 1000.0 * y, 0.0);
         let corners = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)];
         let surface = crate::spline::surface::Surface::new(line.clone(), line, &corners, None).expect("a surface");
         let lines: Vec<f64> = (0..=50).map(|k| f64::from(k) / 50.0).collect();
         let face = Face::untrimmed(surface);
-        let mut state = State::on_lines(&face, lines.clone(), lines).expect("a state");
-        state.cut(0, 1, |p| p[0] - 0.4);
-        state.cut(1, 2, |p| 0.001 * height - p[1]);
-        state.partition.labels.iter_mut().filter(|l| **l == 2).for_each(|l| *l = 0);
-        state
+        let mut cover = Cover::on_lines(&face, lines.clone(), lines).expect("a cover");
+        cover.cut(0, 1, |p| p[0] - 0.4);
+        cover.cut(1, 2, |p| 0.001 * height - p[1]);
+        cover.partition.labels.iter_mut().filter(|l| **l == 2).for_each(|l| *l = 0);
+        cover
     }
 
     #[test]
     fn a_finger_is_cut_off_where_it_leaves_the_panel() {
-        let mut state = state(40.0);
-        let prong = Prong::of(state.region(0), 60.0).expect("a prong");
+        let mut cover = cover(40.0);
+        let prong = Prong::of(cover.region(0), 60.0).expect("a prong");
         assert!((prong.tip.x - 1000.0).abs() < 20.0 && prong.tip.y < 40.0 && prong.root.x < 400.0, "{}", prong.tip);
-        let part = prong.cut_off(&mut state, 0, 60.0).expect("a part");
-        let (own, rest) = (state.region(part).area(), state.region(0).area());
+        let part = prong.cut_off(&mut cover, 0, 60.0).expect("a part");
+        let (own, rest) = (cover.region(part).area(), cover.region(0).area());
         assert!((own - 600.0 * 40.0).abs() < 0.1 * own, "{own}");
         assert!((own + rest - 400.0 * 1000.0 - 600.0 * 40.0).abs() < 1e-6);
         // What is left, and regions without narrow parts, have none.
-        assert!(!state.region(0).has_prong(60.0) && !state.region(1).has_prong(60.0));
+        assert!(!cover.region(0).has_prong(60.0) && !cover.region(1).has_prong(60.0));
     }
 
     #[test]
     fn broad_parts_and_whole_slivers_are_no_prongs() {
-        assert!(!state(120.0).region(0).has_prong(60.0));
-        let mut sliver = state(40.0);
+        assert!(!cover(120.0).region(0).has_prong(60.0));
+        let mut sliver = cover(40.0);
         sliver.cut(0, 3, |p| p[0] - 0.4);
         assert!(!sliver.region(3).has_prong(60.0));
     }

@@ -4,9 +4,9 @@
 //! Strips in one program keep to less of the tolerance than each for itself, and even out what bands of a function leave
 //! uneven: where little is missing, one band less will do.
 
+use super::covered_face::{Cover, SAMPLES};
 use super::equidistribute::Rise;
 use super::job::{CoverOptions, Job, DISTANCE_SHARE};
-use super::state::{State, SAMPLES};
 use crate::fit::strip_potential::Forms;
 use crate::spline::field::Field;
 use std::sync::Arc;
@@ -49,16 +49,16 @@ impl BandSequence {
 impl Job<'_> {
     /// The cover with one band less or more among those of one function. `None` where none of the functions promises that, or where
     /// the panels do not become fewer, or more than by one in ten.
-    pub(crate) fn recounted(&self, state: &State, recount: Recount) -> Option<State> {
+    pub(crate) fn recounted(&self, cover: &Cover, recount: Recount) -> Option<Cover> {
         let (options, control) = (&self.options, self.control);
-        let chains = state.chains(options.tolerance * DISTANCE_SHARE);
+        let chains = cover.chains(options.tolerance * DISTANCE_SHARE);
         let count = |c: &BandSequence| match recount {
             Recount::Less => c.count - 1,
             Recount::More => c.count + 1,
         };
         let promised = |c: &BandSequence| c.promised(count(c));
         // With one sign of curvature theory holds: it becomes no less than promised.
-        let most = if state.has_one_sign() { 1.0 } else { LOOSE };
+        let most = if cover.has_one_sign() { 1.0 } else { LOOSE };
         let chain = match recount {
             Recount::Less => {
                 let promising =
@@ -69,9 +69,9 @@ impl Job<'_> {
         }?;
         let options = CoverOptions { tolerance: ACCEPTED * options.tolerance * promised(chain), ..options.clone() };
         let job = Job::new(self.face, &options, control);
-        let (bare, whole) = state.without(chain, options.tolerance)?;
+        let (bare, whole) = cover.without(chain, options.tolerance)?;
         let next = job.roughly_laid(bare.region(whole), &chain.field, &chain.rise.levels(count(chain)))?;
-        let (before, now) = (state.panels.len(), next.panels.len());
+        let (before, now) = (cover.panels.len(), next.panels.len());
         let is_wanted = match recount {
             Recount::Less => now < before,
             Recount::More => now <= before + before.div_ceil(10),
@@ -80,12 +80,12 @@ impl Job<'_> {
     }
 }
 
-impl State {
-    /// The state with the bands of one function as one region, and its label. Where there is nothing else the face is triangulated
+impl Cover {
+    /// The cover with the bands of one function as one region, and its label. Where there is nothing else the face is triangulated
     /// anew: triangles beside borders that are gone would be thin.
-    fn without(&self, chain: &BandSequence, tolerance: f64) -> Option<(State, u32)> {
+    fn without(&self, chain: &BandSequence, tolerance: f64) -> Option<(Cover, u32)> {
         if chain.labels.len() == self.panels.len() {
-            return Some((State::bare(&self.face, tolerance).ok()?, 0));
+            return Some((Cover::bare(&self.face, tolerance).ok()?, 0));
         }
         let mut out = self.clone();
         let whole = chain.labels[0];

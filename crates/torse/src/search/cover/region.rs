@@ -1,6 +1,6 @@
-//! One region of a face in the making, and what is asked of it: where it is, how large, how it is curved, what lies beside it.
+//! One region of a cover, and what is asked of it: where it is, how large, how it is curved, what lies beside it.
 
-use super::state::{unit_normal, State};
+use super::covered_face::{unit_normal, Cover};
 use crate::fit::near::samples::{Fit, Sample};
 use crate::fit::panels::boundary::has_patch;
 use crate::fit::strip_potential::Forms;
@@ -27,58 +27,58 @@ pub enum Density {
 /// The triangles with one label.
 #[derive(Clone, Copy, Debug)]
 pub struct Region<'a> {
-    /// The face that it is a part of.
-    pub state: &'a State,
+    /// The cover that it is a part of.
+    pub cover: &'a Cover,
     /// Its label.
     pub label: u32,
 }
 
-impl State {
+impl Cover {
     /// The region with a label.
     pub fn region(&self, label: u32) -> Region<'_> {
-        Region { state: self, label }
+        Region { cover: self, label }
     }
 }
 
 impl<'a> Region<'a> {
     /// Its torse, if one was found.
     pub(in crate::search) fn fit(&self) -> Option<&'a Arc<Fit>> {
-        self.state.panels.get(&self.label)
+        self.cover.panels.get(&self.label)
     }
 
     /// The strip potential of which it was laid as a band.
     pub(super) fn band(&self) -> Option<&'a Arc<Field>> {
-        self.state.bands.get(&self.label)
+        self.cover.bands.get(&self.label)
     }
 
     /// Indices of its triangles.
     pub(super) fn cells(&self) -> Vec<usize> {
-        self.state.partition.region(self.label)
+        self.cover.partition.region(self.label)
     }
 
     /// Corner parameters of its triangles.
     pub(super) fn triangles(&self) -> Vec<[[f64; 2]; 3]> {
-        self.cells().into_iter().map(|t| self.state.partition.corners(t)).collect()
+        self.cells().into_iter().map(|t| self.cover.partition.corners(t)).collect()
     }
 
     /// Its vertices.
     fn vertices(&self) -> Vec<u32> {
-        self.state.partition.region_vertices(self.label)
+        self.cover.partition.region_vertices(self.label)
     }
 
     /// Parameters of its vertices.
     pub fn places(&self) -> Vec<[f64; 2]> {
-        self.vertices().into_iter().map(|v| self.state.partition.vertices[v as usize]).collect()
+        self.vertices().into_iter().map(|v| self.cover.partition.vertices[v as usize]).collect()
     }
 
     /// Its vertices in space.
     pub(in crate::search) fn points(&self) -> Vec<Vec3> {
-        self.vertices().into_iter().map(|v| self.state.point(v)).collect()
+        self.vertices().into_iter().map(|v| self.cover.point(v)).collect()
     }
 
     /// Box in the parameter plane: least and greatest u, least and greatest v.
     pub(super) fn bounds(&self) -> [f64; 4] {
-        self.state.partition.bounds(self.label)
+        self.cover.partition.bounds(self.label)
     }
 
     /// Box in space.
@@ -88,7 +88,7 @@ impl<'a> Region<'a> {
 
     /// Area, mm².
     pub(in crate::search) fn area(&self) -> f64 {
-        self.cells().into_iter().map(|t| self.state.triangle_area(t)).sum()
+        self.cells().into_iter().map(|t| self.cover.triangle_area(t)).sum()
     }
 
     /// Mean width: area over the diagonal of the box, mm.
@@ -115,7 +115,7 @@ impl<'a> Region<'a> {
 
     /// Edges of triangles on the border, with the region on their left.
     pub(super) fn border(&self) -> Vec<(u32, u32)> {
-        let partition = &self.state.partition;
+        let partition = &self.cover.partition;
         let beside = partition.adjacency();
         let is_own = |e: &(u32, u32)| beside.get(e).is_some_and(|&t| partition.labels[t as usize] == self.label);
         let sides = self.cells().into_iter().flat_map(|t| edges(partition.triangles[t]));
@@ -124,7 +124,7 @@ impl<'a> Region<'a> {
 
     /// Labels of the regions beside it, those with the longest common border first.
     pub(super) fn neighbours(&self) -> Vec<u32> {
-        let pairs = self.state.partition.neighbours().into_iter();
+        let pairs = self.cover.partition.neighbours().into_iter();
         let mut around: Vec<(usize, u32)> = pairs
             .filter(|((a, b), _)| *a == self.label || *b == self.label)
             .map(|((a, b), shared)| (shared, if a == self.label { b } else { a }))
@@ -134,30 +134,30 @@ impl<'a> Region<'a> {
     }
 
     /// The cover with this region as a part of another.
-    pub(super) fn joined_to(&self, label: u32) -> State {
-        let mut next = self.state.clone();
+    pub(super) fn joined_to(&self, label: u32) -> Cover {
+        let mut next = self.cover.clone();
         next.partition.labels.iter_mut().filter(|l| **l == self.label).for_each(|l| *l = label);
         next
     }
 
     /// Whether a patch of a torse can be laid around it.
     pub(super) fn has_patch(&self, torse: &Torse) -> bool {
-        has_patch(&self.state.face, &self.state.partition, self.label, torse)
+        has_patch(&self.cover.face, &self.cover.partition, self.label, torse)
     }
 
     /// Samples at the vertices, weighted by area.
     pub fn samples(&self) -> Vec<Sample> {
         let mut weight: BTreeMap<u32, f64> = BTreeMap::new();
         for t in self.cells() {
-            let a = self.state.triangle_area(t) / 3.0;
-            for v in self.state.partition.triangles[t] {
+            let a = self.cover.triangle_area(t) / 3.0;
+            for v in self.cover.partition.triangles[t] {
                 *weight.entry(v).or_insert(0.0) += a;
             }
         }
         weight
             .into_iter()
             .map(|(v, weight)| {
-                let j = &self.state.jets[v as usize];
+                let j = &self.cover.jets[v as usize];
                 Sample { x: j.jet.p, n: j.normal, weight }
             })
             .collect()
@@ -175,7 +175,7 @@ impl<'a> Region<'a> {
         const THIN: f64 = 0.6;
         // Samples that a region has at least.
         const FEWEST_SAMPLES: usize = 300;
-        let (surface, partition) = (&self.state.face.surface, &self.state.partition);
+        let (surface, partition) = (&self.cover.face.surface, &self.cover.partition);
         let cells = self.cells();
         let mut out = self.samples();
         let thin = out.len() as f64 > THIN * cells.len() as f64;
@@ -209,15 +209,15 @@ impl<'a> Region<'a> {
 
     /// Fundamental forms at up to `count` vertices, poles left out.
     pub fn forms(&self, count: usize) -> Vec<Forms> {
-        let usable: Vec<u32> = self.vertices().into_iter().filter(|&v| self.state.is_regular(v)).collect();
-        let picked = spread(&usable, count, |v| self.state.point(v));
-        picked.into_iter().map(|v| self.state.forms_at(v)).collect()
+        let usable: Vec<u32> = self.vertices().into_iter().filter(|&v| self.cover.is_regular(v)).collect();
+        let picked = spread(&usable, count, |v| self.cover.point(v));
+        picked.into_iter().map(|v| self.cover.forms_at(v)).collect()
     }
 
     /// The parameter (0: u, 1: v) in which it goes from one side of a face that closes to the other, and its middle.
     pub(in crate::search) fn meets_itself(&self) -> Option<(usize, f64)> {
         let b = self.bounds();
-        let surface = &self.state.face.surface;
+        let surface = &self.cover.face.surface;
         let near = CLOSED * self.bbox().diagonal();
         let places = self.places();
         let closes = |d: usize| {

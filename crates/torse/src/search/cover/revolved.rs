@@ -2,11 +2,11 @@
 //! neighbours meet in circles and every panel in itself (docs/algorithms/cover.md, "Surfaces of revolution").
 
 use super::band_range;
+use super::covered_face::{grid_lines, Cover};
 use super::job::{CoverOptions, Job};
 use super::layout::LayoutKind;
 use super::limits::Limits;
 use super::region::{Density, Region};
-use super::state::{grid_lines, State};
 use crate::brep::face::Face;
 use crate::brep::meridian::Meridian;
 use crate::brep::recognised_surface::bounds;
@@ -60,7 +60,7 @@ pub(in crate::search) fn revolved(
     options: &CoverOptions,
     between: &HashSet<(u32, u64)>,
     control: &Control,
-) -> Option<(Face, State)> {
+) -> Option<(Face, Cover)> {
     let layout = &options.layout;
     let no_seams = layout.seams.is_empty() && layout.seam_curves.is_empty();
     let is_free = layout.curves.is_empty() && no_seams && layout.guide.is_none();
@@ -99,7 +99,7 @@ fn about_axis(
     most: Option<usize>,
     between: &HashSet<(u32, u64)>,
     control: &Control,
-) -> Option<(Face, State)> {
+) -> Option<(Face, Cover)> {
     let meridian = meridian(face, options.tolerance)?;
     let most = match most {
         Some(most) => most,
@@ -120,9 +120,9 @@ fn about_axis(
         if chords.count() > (fewest + MORE).min(options.max_panels) || control.stopped() {
             return None;
         }
-        if let Some(state) = job.cones(&meridian, &corners, &chords).filter(|_| !control.stopped()) {
+        if let Some(cover) = job.cones(&meridian, &corners, &chords).filter(|_| !control.stopped()) {
             drop(job);
-            return Some((ended, state));
+            return Some((ended, cover));
         }
         // What so many chords cannot be near enough for takes one more.
         allowed = LESS * chords.distance;
@@ -223,7 +223,7 @@ fn places(meridian: &Meridian, parameters: &[f64]) -> Option<Vec<Place>> {
 
 impl Job<'_> {
     /// The face parted along circles at parameters of its meridian, with a cone over the chord between two of these, all of them proven.
-    fn cones(&self, meridian: &Meridian, corners: &[f64], chords: &Chords) -> Option<State> {
+    fn cones(&self, meridian: &Meridian, corners: &[f64], chords: &Chords) -> Option<Cover> {
         let (face, along) = (self.face, meridian.along());
         // The face ends a hair before poles; corners on knot lines miss them by rounding.
         let (bounds, knots) = (bounds(face), [&face.surface.knots_u, &face.surface.knots_v][along].breaks());
@@ -233,24 +233,24 @@ impl Job<'_> {
             knots.iter().copied().find(|k| (k - t).abs() <= ON_KNOT * (hi - lo)).unwrap_or(t)
         };
         let ends: Vec<f64> = corners.iter().map(place).collect();
-        let mut state = parted(face, meridian, &ends)?;
+        let mut cover = parted(face, meridian, &ends)?;
         let cones: Vec<(Fit, Vec<u32>)> = chords
             .corners
             .windows(2)
             .zip(ends.windows(2))
-            .map(|(c, t)| Some((cone(meridian, [c[0].1, c[1].1])?, state.ring(meridian, [t[0], t[1]]))))
+            .map(|(c, t)| Some((cone(meridian, [c[0].1, c[1].1])?, cover.ring(meridian, [t[0], t[1]]))))
             .collect::<Option<_>>()?;
         let regions: Vec<(u32, &Fit)> =
             cones.iter().flat_map(|(fit, labels)| labels.iter().map(move |l| (*l, fit))).collect();
         let proven: Vec<(u32, Arc<Fit>)> =
-            parallel::map(regions.iter(), |(l, fit)| Some((*l, self.proven_cone(state.region(*l), fit)?)))
+            parallel::map(regions.iter(), |(l, fit)| Some((*l, self.proven_cone(cover.region(*l), fit)?)))
                 .into_iter()
                 .collect::<Option<_>>()?;
         if proven.len() > self.options.max_panels {
             return None;
         }
-        state.panels.extend(proven);
-        state.is_complete().then_some(state)
+        cover.panels.extend(proven);
+        cover.is_complete().then_some(cover)
     }
 
     /// The fit of a region, if it is proven and keeps to the limits.
@@ -263,7 +263,7 @@ impl Job<'_> {
 
 /// The face triangulated, with lines along the circles at the given parameters of its meridian, and parted there. Towards poles cells
 /// become smaller as the circles do: feet turn there as fast as the place goes round.
-fn parted(face: &Face, meridian: &Meridian, ends: &[f64]) -> Option<State> {
+fn parted(face: &Face, meridian: &Meridian, ends: &[f64]) -> Option<Cover> {
     let [u, v] = grid_lines(&face.surface, bounds(face), f64::INFINITY).into();
     let [mut along, around] = meridian.lines(u, v);
     let (poles, last) = (meridian.ends_on_axis(), ends.len() - 2);
@@ -288,9 +288,9 @@ fn parted(face: &Face, meridian: &Meridian, ends: &[f64]) -> Option<State> {
     along.sort_by(f64::total_cmp);
     along.dedup();
     let [u, v] = meridian.lines(along, around);
-    let mut state = State::on_lines(face, u, v).ok()?;
+    let mut cover = Cover::on_lines(face, u, v).ok()?;
     for (k, w) in ends.windows(2).enumerate() {
-        let partition = &mut state.partition;
+        let partition = &mut cover.partition;
         for t in 0..partition.triangles.len() {
             let place = centroid(partition.corners(t))[meridian.along()];
             if (w[0]..=w[1]).contains(&place) {
@@ -298,13 +298,13 @@ fn parted(face: &Face, meridian: &Meridian, ends: &[f64]) -> Option<State> {
             }
         }
     }
-    for label in state.partition.distinct_labels() {
-        state.partition.split_components(label);
+    for label in cover.partition.distinct_labels() {
+        cover.partition.split_components(label);
     }
-    Some(state)
+    Some(cover)
 }
 
-impl State {
+impl Cover {
     /// Labels between two parameters of the meridian.
     fn ring(&self, meridian: &Meridian, [from, to]: [f64; 2]) -> Vec<u32> {
         let inside = |label: &u32| {
@@ -352,7 +352,7 @@ mod tests {
         Face::untrimmed(revolve(&circle, &axis, (0.0, turn), latitudes).expect("a surface").0)
     }
 
-    fn cones(face: &Face, tolerance: f64) -> Option<(Face, State)> {
+    fn cones(face: &Face, tolerance: f64) -> Option<(Face, Cover)> {
         revolved(face, &CoverOptions::new(tolerance), &HashSet::default(), &Control::default())
     }
 
@@ -360,9 +360,9 @@ mod tests {
     fn faces_that_go_all_round_become_cones() {
         // Zones between 0.6 rad on both sides of the equator: 120 mm, and cones within 1 mm are 4 √100 = 40 mm wide.
         let face = zone((-0.6, 0.6), TAU);
-        let (same, state) = cones(&face, 1.05).expect("cones");
-        assert!(state.is_complete() && state.panels.len() == 3 && same.trim_bound() <= 0.0, "{}", state.panels.len());
-        for fit in state.panels.values() {
+        let (same, cover) = cones(&face, 1.05).expect("cones");
+        assert!(cover.is_complete() && cover.panels.len() == 3 && same.trim_bound() <= 0.0, "{}", cover.panels.len());
+        for fit in cover.panels.values() {
             assert!(fit.error < 1.05 && fit.error > 0.7, "{}", fit.error);
         }
     }
@@ -370,9 +370,9 @@ mod tests {
     #[test]
     fn poles_lie_under_the_tip_of_a_cone() {
         let face = zone((0.9, FRAC_PI_2), TAU);
-        let (ended, state) = cones(&face, 2.0).expect("cones");
+        let (ended, cover) = cones(&face, 2.0).expect("cones");
         // A cap 67 mm from rim to pole; what ends beside the pole counts.
-        assert!(state.is_complete() && state.panels.len() <= 2, "{}", state.panels.len());
+        assert!(cover.is_complete() && cover.panels.len() <= 2, "{}", cover.panels.len());
         assert!(ended.trim_bound() > 0.0 && ended.trim_bound() < 0.05, "{}", ended.trim_bound());
     }
 
@@ -384,9 +384,9 @@ mod tests {
         let centre = Frame { origin: axis.x * 150.0, y: axis.z, z: -axis.y, ..axis };
         let circle = SpaceCurve::Ellipse { frame: centre, a: 50.0, b: 50.0 };
         let face = Face::untrimmed(revolve(&circle, &axis, (0.0, TAU), (0.0, TAU)).expect("a surface").0);
-        let (_, state) = cones(&face, 3.8).expect("cones");
-        assert!(state.is_complete() && state.panels.len() == 7, "{}", state.panels.len());
-        assert!(state.panels.values().all(|fit| fit.error < 2.7));
+        let (_, cover) = cones(&face, 3.8).expect("cones");
+        assert!(cover.is_complete() && cover.panels.len() == 7, "{}", cover.panels.len());
+        assert!(cover.panels.values().all(|fit| fit.error < 2.7));
     }
 
     #[test]
@@ -394,7 +394,7 @@ mod tests {
         // Far less round than high: strips that run up it are fewer.
         assert!(cones(&zone((-0.8, 0.8), 0.3), 1.05).is_none());
         let face = zone((-0.15, 0.15), 6.0);
-        assert!(cones(&face, 1.05).is_some_and(|(_, state)| state.is_complete()));
+        assert!(cones(&face, 1.05).is_some_and(|(_, cover)| cover.is_complete()));
         let mut options = CoverOptions::new(1.05);
         options.limits.max_length = Some(300.0);
         assert!(revolved(&face, &options, &HashSet::default(), &Control::default()).is_none());

@@ -4,7 +4,7 @@
 //! Hills force one sign, valleys the other, saddles may take either; all costs are lengths in the metric |II|, so
 //! the labelling does not depend on the tolerance.
 
-use super::state::State;
+use super::covered_face::Cover;
 use crate::num::hash::HashMap;
 use crate::num::max_flow::LabelGraph;
 use crate::patchwork::partition::edges;
@@ -24,7 +24,7 @@ const SMOOTHNESS: f64 = 1e-2;
 /// A labelling with less than this share of the area on one side is no cut.
 const LEAST_SHARE: f64 = 0.02;
 
-impl State {
+impl Cover {
     /// Cuts a region between the parts that want different signs; labels of all parts, or `None` if one sign serves
     /// the whole region.
     pub(super) fn cut_by_sign(&mut self, label: u32) -> Option<Vec<u32>> {

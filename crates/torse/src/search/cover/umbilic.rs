@@ -8,8 +8,8 @@
 //! Cuts are straight in the parameters, in the directions that lines of curvature have near the flat point; farther out
 //! they only come near these. Of several flat points the flattest is served; the others are found in the parts.
 
+use super::covered_face::{Cover, SAMPLES};
 use super::region::Region;
-use super::state::{State, SAMPLES};
 use crate::spline::surface::Surface;
 use std::f64::consts::{PI, TAU};
 
@@ -38,7 +38,7 @@ impl Star {
     }
 
     /// Cuts a region into its three sectors; labels of all parts. `None` where fewer than three are left.
-    pub(super) fn cut(&self, state: &mut State, label: u32) -> Option<Vec<u32>> {
+    pub(super) fn cut(&self, cover: &mut Cover, label: u32) -> Option<Vec<u32>> {
         let mut parts = Vec::new();
         for k in 0..2 {
             let [a, b] = [self.angles[k], self.angles[k + 1]].map(|t| [t.cos(), t.sin()]);
@@ -46,12 +46,12 @@ impl Star {
                 let q = self.local(p);
                 (a[0] * q[1] - a[1] * q[0]).min(q[0] * b[1] - q[1] * b[0])
             };
-            let fresh = state.partition.fresh_label();
-            state.cut(label, fresh, inside);
-            parts.extend(state.partition.split_components(fresh));
+            let fresh = cover.partition.fresh_label();
+            cover.cut(label, fresh, inside);
+            parts.extend(cover.partition.split_components(fresh));
         }
-        parts.extend(state.partition.split_components(label));
-        parts.retain(|p| state.partition.labels.contains(p));
+        parts.extend(cover.partition.split_components(label));
+        parts.retain(|p| cover.partition.labels.contains(p));
         (parts.len() >= 3).then_some(parts)
     }
 }
@@ -65,7 +65,7 @@ impl Region<'_> {
         let bent = forms.iter().map(|f| (bend(f.principal()), f.uv)).filter(|f| f.0.is_finite());
         let Some(least) = bent.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
         let size = self.bbox().diagonal();
-        let surface = &self.state.face.surface;
+        let surface = &self.cover.face.surface;
         let centre = flattest(surface, least.1, size);
         let Some((saddle, circle)) = around(surface, centre, RADIUS * size) else { return Vec::new() };
         // A flat point at the border, as cuts leave it, is in nobody's way.
@@ -210,8 +210,8 @@ mod tests {
     #[test]
     fn a_monkey_saddle_has_three_cuts_of_either_kind() {
         let face = graph(|x, y| 0.05 * (cube(x) - 3.0 * x * square(y)));
-        let mut state = State::of_face(&face, f64::INFINITY).expect("a state");
-        let found = state.region(0).stars();
+        let mut cover = Cover::of_face(&face, f64::INFINITY).expect("a cover");
+        let found = cover.region(0).stars();
         // z = r³ cos 3θ: lines of curvature leave the middle where 3θ is a multiple of π.
         let degrees: Vec<[f64; 3]> = found.iter().map(|s| s.angles.map(f64::to_degrees)).collect();
         assert_eq!(degrees.len(), 2);
@@ -221,14 +221,14 @@ mod tests {
             assert!(fits, "{angles:?}");
         }
         assert!(found[0].centre.iter().all(|x| x.abs() < 1e-6), "{:?}", found[0].centre);
-        let before = state.region(0).area();
-        let parts = found[1].cut(&mut state, 0).expect("parts");
+        let before = cover.region(0).area();
+        let parts = found[1].cut(&mut cover, 0).expect("parts");
         assert_eq!(parts.len(), 3);
-        let areas: Vec<f64> = parts.iter().map(|&p| state.region(p).area()).collect();
+        let areas: Vec<f64> = parts.iter().map(|&p| cover.region(p).area()).collect();
         assert!((areas.iter().sum::<f64>() - before).abs() < 1e-3 * before);
         assert!(areas.iter().all(|a| *a > 0.25 * before), "{areas:?}");
         // Each part has the flat point at its border.
-        assert!(parts.iter().all(|&p| state.region(p).stars().is_empty()));
+        assert!(parts.iter().all(|&p| cover.region(p).stars().is_empty()));
     }
 
     #[test]
@@ -242,8 +242,8 @@ mod tests {
         ];
         for (i, f) in shapes.into_iter().enumerate() {
             let face = graph(f);
-            let state = State::of_face(&face, f64::INFINITY).expect("a state");
-            assert_eq!(state.region(0).stars(), [], "{i}");
+            let cover = Cover::of_face(&face, f64::INFINITY).expect("a cover");
+            assert_eq!(cover.region(0).stars(), [], "{i}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is asked of all regions of a face at once, and cuts through all of them: docs/algorithms/cover.md.
 
+use super::covered_face::{Cover, SAMPLES};
 use super::region::axes_of;
-use super::state::{State, SAMPLES};
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::near::primal::{primal, PrimalOptions};
@@ -9,17 +9,17 @@ use crate::geom::Vec3;
 use crate::patchwork::triangulate::TriangulateError;
 use std::sync::Arc;
 
-impl State {
+impl Cover {
     /// A face in its connected parts, triangulated finely enough for strips of a tolerance (mm).
     pub(super) fn bare(face: &Face, tolerance: f64) -> Result<Self, TriangulateError> {
-        let mut state = Self::of_face(face, f64::INFINITY)?;
-        let strip = state.typical_strip(tolerance);
+        let mut cover = Self::of_face(face, f64::INFINITY)?;
+        let strip = cover.typical_strip(tolerance);
         let finer = Self::of_face(face, strip)?;
-        if finer.partition.triangles.len() > state.partition.triangles.len() {
-            state = finer;
+        if finer.partition.triangles.len() > cover.partition.triangles.len() {
+            cover = finer;
         }
-        state.partition.split_components(0);
-        Ok(state)
+        cover.partition.split_components(0);
+        Ok(cover)
     }
 
     /// Labels without a torse.
@@ -29,7 +29,7 @@ impl State {
         labels
     }
 
-    /// Whether every region has a torse, which was proven to be within the tolerance unless it was [filled in](State::fill).
+    /// Whether every region has a torse, which was proven to be within the tolerance unless it was [filled in](Cover::fill).
     pub(in crate::search) fn is_complete(&self) -> bool {
         self.free().is_empty()
     }
@@ -73,38 +73,38 @@ impl State {
     /// Cuts panels into equal parts: `[along, across]` of each label; all parts keep the torse, which is good for each of
     /// them. A panel that a cut does not separate stays as it is.
     pub(crate) fn cut_large(&self, large: &[(u32, [usize; 2])]) -> Self {
-        let mut state = self.clone();
+        let mut cover = self.clone();
         for &(label, parts) in large {
-            let mut trial = state.clone();
+            let mut trial = cover.clone();
             let Some(fit) = trial.panels.remove(&label) else { continue };
             let axis = usize::from(parts[0] < 2);
             if let Some(cut) = trial.divide(label, axis, parts[axis]) {
                 trial.panels.extend(cut.into_iter().map(|p| (p, Arc::clone(&fit))));
-                state = trial;
+                cover = trial;
             }
         }
-        state
+        cover
     }
 
     /// The same regions cut where functions of the parameters are zero; parts keep the torses of what is covered.
     pub(crate) fn cut_where(&self, heights: &[impl Fn([f64; 2]) -> f64]) -> Self {
-        let mut state = self.clone();
+        let mut cover = self.clone();
         for height in heights {
-            for label in state.partition.distinct_labels() {
-                if let Some((cut, _)) = state.cut_by(label, height) {
-                    state = cut;
+            for label in cover.partition.distinct_labels() {
+                if let Some((cut, _)) = cover.cut_by(label, height) {
+                    cover = cut;
                 }
             }
         }
-        state
+        cover
     }
 
     /// The same with one region cut where a function of the parameters is zero, and the labels of its parts, which keep its torse.
     pub(crate) fn cut_by(&self, label: u32, height: impl Fn([f64; 2]) -> f64) -> Option<(Self, Vec<u32>)> {
-        let mut state = self.clone();
-        let fit = state.panels.remove(&label);
-        let parts = state.parted(label, height)?;
-        state.panels.extend(parts.iter().filter_map(|p| Some((*p, Arc::clone(fit.as_ref()?)))));
-        Some((state, parts))
+        let mut cover = self.clone();
+        let fit = cover.panels.remove(&label);
+        let parts = cover.parted(label, height)?;
+        cover.panels.extend(parts.iter().filter_map(|p| Some((*p, Arc::clone(fit.as_ref()?)))));
+        Some((cover, parts))
     }
 }

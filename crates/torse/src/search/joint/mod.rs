@@ -29,7 +29,7 @@ mod width;
 use crate::control::Control;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
-use crate::search::cover::State;
+use crate::search::cover::Cover;
 use crate::spline::curve::Curve;
 use crate::torse::form::Torse;
 pub(crate) use asked::{Asked, BorderCounts};
@@ -119,14 +119,14 @@ pub(crate) struct Joint<'a> {
 }
 
 /// A face whose strips are to be joined: its cover, the lines between them and what is asked.
-pub(crate) type Beside<'a, 'b> = (&'a State, Vec<SeamChain>, &'b Asked<'a>);
+pub(crate) type Beside<'a, 'b> = (&'a Cover, Vec<SeamChain>, &'b Asked<'a>);
 
 impl<'a> Joint<'a> {
-    /// *Input*: `state` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a
+    /// *Input*: `cover` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a
     /// torse of higher degree, with samples without feet) stay as they are, and borders that close. `None` without any border
     /// left.
-    pub fn new(state: &'a State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
-        let fleet = Fleet::of(start::network(state, chains, asked)?);
+    pub fn new(cover: &'a Cover, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
+        let fleet = Fleet::of(start::network(cover, chains, asked)?);
         let (start, most) = (fleet.measured(), asked.most);
         Some(Self { start, fleet, slots: vec![Some(0)], steps: Vec::new(), most })
     }
@@ -136,7 +136,7 @@ impl<'a> Joint<'a> {
         let most = faces.iter().flatten().map(|f| f.2.most).fold(0.0, f64::max);
         let networks: Vec<Option<Network<'a>>> = faces
             .into_iter()
-            .map(|f| f.and_then(|(state, chains, asked)| start::network(state, chains, asked)))
+            .map(|f| f.and_then(|(cover, chains, asked)| start::network(cover, chains, asked)))
             .collect();
         let (mut fleet, slots) = Fleet::meeting(networks, meetings);
         fleet.networks.iter_mut().flat_map(|n| &mut n.members).for_each(|m| m.least *= LESS);

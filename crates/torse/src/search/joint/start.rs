@@ -13,7 +13,7 @@ use crate::geom::Vec3;
 use crate::num::hash::HashSet;
 use crate::num::parallel;
 use crate::patchwork::partition::{centroid, edges};
-use crate::search::cover::State;
+use crate::search::cover::Cover;
 use crate::torse::form::Torse;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,11 +27,11 @@ const BEYOND: f64 = 0.03;
 const INFLECTED: f64 = 0.1;
 
 /// The network of the strips of a covered face that can take part. `None` without any line between these.
-pub(super) fn network<'a>(state: &'a State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
+pub(super) fn network<'a>(cover: &'a Cover, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
     let chains = whole_borders(chains);
     let mut without = asked.without.clone();
     loop {
-        match network_of_others(state, &chains, asked, &without) {
+        match network_of_others(cover, &chains, asked, &without) {
             Ok(network) => return Some(network),
             Err(labels) if labels.is_empty() => return None,
             Err(labels) => without.extend(labels),
@@ -41,23 +41,23 @@ pub(super) fn network<'a>(state: &'a State, chains: Vec<SeamChain>, asked: &Aske
 
 /// See [`network`]; without strips that were named. Errors are the labels of those that cannot take part, if there are any.
 fn network_of_others<'a>(
-    state: &'a State,
+    cover: &'a Cover,
     chains: &[SeamChain],
     asked: &Asked,
     without: &BTreeSet<u32>,
 ) -> Result<Network<'a>, Vec<u32>> {
     let &Asked { held, tolerance, regular, .. } = asked;
-    let face = &*state.face;
-    let mut labels: Vec<u32> = state.partition.distinct_labels();
+    let face = &*cover.face;
+    let mut labels: Vec<u32> = cover.partition.distinct_labels();
     labels.retain(|l| !without.contains(l));
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let alone = asked.borders.is_some() && chains.is_empty();
-    let found = if alone { Some((Vec::new(), 0)) } else { lines(state, chains, &index, held, tolerance) };
+    let found = if alone { Some((Vec::new(), 0)) } else { lines(cover, chains, &index, held, tolerance) };
     let (lines, vertices) = found.ok_or_else(Vec::new)?;
-    let given = given(state, &index);
+    let given = given(cover, &index);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
     let of_label = |k: usize| {
-        let torse = &state.panels.get(&labels[k])?.torse;
+        let torse = &cover.panels.get(&labels[k])?.torse;
         Some(Member { regular, ..member(labels[k], torse, &places[k], tolerance)? })
     };
     let members: Vec<Option<Member>> = parallel::map(0..labels.len(), of_label);
@@ -77,7 +77,7 @@ fn network_of_others<'a>(
         Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts, taken: 1.0 }
     };
     let samples = given.iter().map(sample).collect();
-    let is_whole = state.partition.distinct_labels().len() == labels.len();
+    let is_whole = cover.partition.distinct_labels().len() == labels.len();
     let mut out = Network {
         face,
         tolerance,
@@ -246,8 +246,8 @@ struct Given {
 }
 
 /// Vertices of a partition and middles of its edges and triangles.
-fn given(state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
-    let partition = &state.partition;
+fn given(cover: &Cover, index: &BTreeMap<u32, usize>) -> Vec<Given> {
+    let partition = &cover.partition;
     let mut of_vertex = vec![None; partition.vertices.len()];
     let mut of_edge: BTreeMap<(u32, u32), usize> = BTreeMap::new();
     for (t, label) in partition.triangles.iter().zip(&partition.labels) {
@@ -259,14 +259,14 @@ fn given(state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
     }
     let border = |a: u32, b: u32| [(a, b), (b, a)].iter().any(|e| partition.trim_edges.contains_key(e));
     let on_border: HashSet<u32> = partition.trim_edges.keys().flat_map(|&(a, b)| [a, b]).collect();
-    let of_vertex = state.jets.iter().zip(of_vertex).zip(0u32..);
+    let of_vertex = cover.jets.iter().zip(of_vertex).zip(0u32..);
     let mut out: Vec<Given> = of_vertex
         .filter_map(|((j, k), v)| {
             Some(Given { x: j.jet.p, normal: j.normal, strip: k?, on_border: on_border.contains(&v) })
         })
         .collect();
     let at = |[u, v]: [f64; 2], strip: usize, on_border: bool| {
-        let j = state.face.surface.jet(u, v);
+        let j = cover.face.surface.jet(u, v);
         let normal = j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros);
         Given { x: j.p, normal, strip, on_border }
     };
@@ -320,13 +320,13 @@ pub(crate) fn whole_borders(chains: Vec<SeamChain>) -> Vec<SeamChain> {
 /// Lines along borders between regions of strips, and the number of vertices in which they end inside the face. Borders that
 /// close, and those beside other regions, stay as they are, and so do vertices on these.
 fn lines(
-    state: &State,
+    cover: &Cover,
     chains: &[SeamChain],
     index: &BTreeMap<u32, usize>,
     held: &dyn Fn([u32; 2]) -> bool,
     tolerance: f64,
 ) -> Option<(Vec<Line>, usize)> {
-    let on_border: HashSet<u32> = state.partition.trim_edges.keys().flat_map(|&(a, b)| [a, b]).collect();
+    let on_border: HashSet<u32> = cover.partition.trim_edges.keys().flat_map(|&(a, b)| [a, b]).collect();
     let mut count: BTreeMap<u32, usize> = BTreeMap::new();
     let ends = |c: &SeamChain| Some([*c.vertices.first()?, *c.vertices.last()?]);
     for c in chains {
@@ -354,8 +354,8 @@ fn lines(
         let strips = [*index.get(&c.labels[0])?, *index.get(&c.labels[1])?];
         let held = held(c.labels);
         let bare = Line::bare(strips, [end(first), end(last)], held);
-        let uv: Vec<[f64; 2]> = c.vertices.iter().map(|&v| state.partition.vertices[v as usize]).collect();
-        out.push(bare.through(&state.face, &uv, tolerance)?);
+        let uv: Vec<[f64; 2]> = c.vertices.iter().map(|&v| cover.partition.vertices[v as usize]).collect();
+        out.push(bare.through(&cover.face, &uv, tolerance)?);
     }
     // Vertices of lines that stay must stay.
     stays.extend(out.iter().filter(|l| l.held).flat_map(|l| l.ends).filter_map(vertex));

@@ -37,27 +37,27 @@ fn tangent_cone(b: f64, (end, leaves): (f64, f64)) -> DualTorse {
 }
 
 /// The sphere between longitudes 0 and 1 and the outer latitudes, cut at the inner ones, with tangent cones.
-fn zones(latitudes: &[f64]) -> State {
+fn zones(latitudes: &[f64]) -> Cover {
     zones_to((1.0, 0.0), latitudes)
 }
 
 /// The same to another longitude, with cones that leave the sphere beyond.
-fn zones_to((end, leaves): (f64, f64), latitudes: &[f64]) -> State {
+fn zones_to((end, leaves): (f64, f64), latitudes: &[f64]) -> Cover {
     let last = latitudes.len() - 1;
     let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: RADIUS };
     let (surface, map) = sphere.to_spline((0.0, end), (latitudes[0], latitudes[last])).expect("a spline");
     let face = Face::untrimmed(surface);
-    let mut state = State::of_face(&face, 30.0).expect("a state");
-    state.partition.labels.fill(0);
+    let mut cover = Cover::of_face(&face, 30.0).expect("a cover");
+    cover.partition.labels.fill(0);
     for (k, &b) in latitudes[1..last].iter().enumerate() {
         let at = map[1].forward(b);
-        state.cut(k as u32, k as u32 + 1, |p| p[1] - at);
+        cover.cut(k as u32, k as u32 + 1, |p| p[1] - at);
     }
     for (k, w) in latitudes.windows(2).enumerate() {
         let torse = Torse::Dual(tangent_cone(0.5 * (w[0] + w[1]), (end, leaves)));
-        state.panels.insert(k as u32, Arc::new(Fit { torse, kind: PanelKind::Cone, error: 0.0, worst: 0 }));
+        cover.panels.insert(k as u32, Arc::new(Fit { torse, kind: PanelKind::Cone, error: 0.0, worst: 0 }));
     }
-    state
+    cover
 }
 
 fn asked(held: &dyn Fn([u32; 2]) -> bool, tolerance: f64) -> Asked<'_> {
@@ -65,13 +65,13 @@ fn asked(held: &dyn Fn([u32; 2]) -> bool, tolerance: f64) -> Asked<'_> {
     Asked { held, without: &ALL, regular: 0.9, tolerance, borders: None, most: f64::INFINITY }
 }
 
-fn chains(state: &State) -> Vec<SeamChain> {
-    Borders::new(&state.face, &state.partition, &|_, _| 0, 0).seam_chains()
+fn chains(cover: &Cover) -> Vec<SeamChain> {
+    Borders::new(&cover.face, &cover.partition, &|_, _| 0, 0).seam_chains()
 }
 
 /// Strips as far as one program takes them.
-fn joined(state: &State, chains: Vec<SeamChain>, asked: &Asked, control: &Control) -> Option<Joined> {
-    Joint::new(state, chains, asked)?.joined(control)
+fn joined(cover: &Cover, chains: Vec<SeamChain>, asked: &Asked, control: &Control) -> Option<Joined> {
+    Joint::new(cover, chains, asked)?.joined(control)
 }
 
 /// What half the sagitta of a zone is.
@@ -82,19 +82,19 @@ fn half_sagitta(width: f64) -> f64 {
 #[test]
 fn unequal_zones_become_even_by_slides() {
     // Widths 0.13, 0.09, 0.11; three even zones of 0.11 are off by half their sagitta.
-    let state = zones(&[-0.15, -0.02, 0.07, 0.18]);
+    let cover = zones(&[-0.15, -0.02, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
     let free = Control::default();
-    let found = joined(&state, chains(&state), &asked(&|_| false, tolerance), &free).expect("joined");
+    let found = joined(&cover, chains(&cover), &asked(&|_| false, tolerance), &free).expect("joined");
     assert!(found.start[0] > 1.5, "{:?}", found.start);
     let end = found.steps.last().expect("a step").reached;
     assert!(end[0] < 0.97 && end[1] < 0.03 && found.steps.len() <= 6, "{:?}", found.steps);
     // Lines that must stay leave the wide zone as far off as it is alone.
-    let held = joined(&state, chains(&state), &asked(&|_| true, tolerance), &free).expect("joined");
+    let held = joined(&cover, chains(&cover), &asked(&|_| true, tolerance), &free).expect("joined");
     let end = held.steps.last().expect("a step").reached;
     assert!(end[0] > 0.97 * half_sagitta(0.13) / tolerance, "{:?}", held.steps);
-    for (a, b) in held.lines.iter().zip(chains(&state)) {
-        let v = state.partition.vertices[b.vertices[0] as usize];
+    for (a, b) in held.lines.iter().zip(chains(&cover)) {
+        let v = cover.partition.vertices[b.vertices[0] as usize];
         assert!(a.uv.iter().all(|p| (p[1] - v[1]).abs() < 1e-6 * v[1].abs().max(1.0)));
     }
 }
@@ -102,19 +102,19 @@ fn unequal_zones_become_even_by_slides() {
 /// Zones that go all round overlap themselves where they begin: what they are there at their other end does not count.
 #[test]
 fn zones_all_round_have_their_own_feet() {
-    let state = zones_to((std::f64::consts::TAU, 0.1), &[0.3, 0.41, 0.52]);
+    let cover = zones_to((std::f64::consts::TAU, 0.1), &[0.3, 0.41, 0.52]);
     let tolerance = half_sagitta(0.11) / 0.9;
     let held = |_| false;
-    let found = joined(&state, chains(&state), &asked(&held, 2.0 * tolerance), &Control::default());
+    let found = joined(&cover, chains(&cover), &asked(&held, 2.0 * tolerance), &Control::default());
     let start = found.expect("joined").start;
     assert!(start[0] < 1.0, "{start:?}");
 }
 
 #[test]
 fn edges_lie_on_both_strips() {
-    let state = zones(&[-0.15, -0.02, 0.07, 0.18]);
+    let cover = zones(&[-0.15, -0.02, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
-    let found = joined(&state, chains(&state), &asked(&|_| false, tolerance), &Control::default()).expect("joined");
+    let found = joined(&cover, chains(&cover), &asked(&|_| false, tolerance), &Control::default()).expect("joined");
     for l in &found.lines {
         let edge = l.edge.as_ref().expect("an edge");
         let (a, b) = edge.domain();
@@ -130,21 +130,21 @@ fn edges_lie_on_both_strips() {
 
 #[test]
 fn strips_that_are_left_out_keep_their_borders() {
-    let mut state = zones(&[-0.15, -0.04, 0.07, 0.18]);
+    let mut cover = zones(&[-0.15, -0.04, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
     let free = Control::default();
     let last = BTreeSet::from([2]);
     let all = asked(&|_| false, tolerance);
-    let found = joined(&state, chains(&state), &Asked { without: &last, ..all }, &free).expect("joined");
+    let found = joined(&cover, chains(&cover), &Asked { without: &last, ..all }, &free).expect("joined");
     assert_eq!(found.torses.iter().map(|t| t.0).collect::<Vec<_>>(), [0, 1]);
     assert_eq!((found.lines.len(), found.lines[0].edge.is_some()), (1, true));
     assert!(found.distances.iter().all(|d| *d < 0.97), "{:?}", found.distances);
     // A strip without a torse cannot take part, and is left out without being asked.
-    state.panels.remove(&2);
-    let found = joined(&state, chains(&state), &all, &free).expect("joined");
+    cover.panels.remove(&2);
+    let found = joined(&cover, chains(&cover), &all, &free).expect("joined");
     assert_eq!((found.torses.len(), found.lines.len()), (2, 1));
     let none = BTreeSet::from([0, 2]);
-    assert!(joined(&state, chains(&state), &Asked { without: &none, ..all }, &free).is_none());
+    assert!(joined(&cover, chains(&cover), &Asked { without: &none, ..all }, &free).is_none());
 }
 
 /// Distances and what must keep its sign against small changes of every unknown of a strip in turn.
@@ -205,8 +205,8 @@ fn rows_of_strips_match_differences() {
 /// Distances and gaps against a slide of a line, alike all along it.
 #[test]
 fn rows_of_a_line_match_differences() {
-    let state = zones(&[0.0, 0.12, 0.2]);
-    let network = start::network(&state, chains(&state), &asked(&|_| false, 1.0)).expect("a network");
+    let cover = zones(&[0.0, 0.12, 0.2]);
+    let network = start::network(&cover, chains(&cover), &asked(&|_| false, 1.0)).expect("a network");
     let fleet = Fleet::of(network.clone());
     let columns = fleet.columns();
     let mut tie = Tie { damping: 1.0, ..Tie::none() };
@@ -250,8 +250,8 @@ fn rows_of_a_line_match_differences() {
 
 #[test]
 fn one_strip_has_nothing_to_be_joined_with() {
-    let state = zones(&[0.0, 0.1]);
-    assert!(joined(&state, Vec::new(), &asked(&|_| false, 1.0), &Control::default()).is_none());
+    let cover = zones(&[0.0, 0.1]);
+    assert!(joined(&cover, Vec::new(), &asked(&|_| false, 1.0), &Control::default()).is_none());
 }
 
 /// Strips of two faces, which are one sphere, become equally high along the border between these.
@@ -267,7 +267,7 @@ fn strips_of_two_faces_become_equally_high_where_these_meet() {
         Meeting { faces: [0, 1], labels: [0; 2], places, normals, share: 1.0 / 41.0, edge: 0, length: RADIUS }
     };
     let meetings: Vec<Meeting> = (0..=40).map(meeting).collect();
-    let given = faces.iter().map(|state| Some((state, Vec::new(), &asked))).collect();
+    let given = faces.iter().map(|cover| Some((cover, Vec::new(), &asked))).collect();
     let mut joint = Joint::of_faces(given, &meetings);
     assert!(joint.start[1] > 0.5, "{:?}", joint.start);
     let found = joint.joined_all(&Control::default());
@@ -285,13 +285,13 @@ fn strips_of_two_faces_become_equally_high_where_these_meet() {
 /// Beside finer strips lines have two points for every span, on the curve that they had.
 #[test]
 fn lines_beside_finer_strips_have_more_points() {
-    let state = zones(&[0.0, 0.2, 0.4]);
+    let cover = zones(&[0.0, 0.2, 0.4]);
     let held = |_: [u32; 2]| false;
-    let network = start::network(&state, chains(&state), &asked(&held, 1.0)).expect("a network");
+    let network = start::network(&cover, chains(&cover), &asked(&held, 1.0)).expect("a network");
     let line = &network.lines[0];
     let spans = network.members.iter().map(|m| m.strip.spans()).fold(0, usize::max);
     assert!(line.count == line.points.len() && line.count > 2 * spans);
-    let finer = line.clone().for_spans(2 * (line.count - 1), &state.face, 1.0).expect("a line");
+    let finer = line.clone().for_spans(2 * (line.count - 1), &cover.face, 1.0).expect("a line");
     assert_eq!(finer.points.len(), 4 * (line.count - 1) + 1);
     for (p, q) in line.points.iter().zip(finer.points.iter().step_by(4)) {
         assert!((p.x - q.x).norm() < 1e-6 * line.length, "{} {}", p.x, q.x);

@@ -8,7 +8,7 @@ pub(crate) mod region;
 mod strips;
 
 use super::build::{build, Built};
-use super::cover::{exactly_covered, CoverOptions, State};
+use super::cover::{exactly_covered, Cover, CoverOptions};
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate};
 use crate::control::Control;
@@ -66,9 +66,9 @@ pub(crate) fn ruled_face(
     let rest = options.tolerance - face.joint_bound() - face.trim_bound();
     // What trims miss may be all of the tolerance, or unknown: then strips are for the eye.
     let aim = if rest > 0.5 * options.tolerance { rest } else { options.tolerance };
-    let state = State::on_lines(face, region::lines(face, 0, aim), region::lines(face, 1, aim))?;
-    let map = curvature_map(face, &state.partition);
-    let (pieces, mut left) = pieces(state, aim);
+    let cover = Cover::on_lines(face, region::lines(face, 0, aim), region::lines(face, 1, aim))?;
+    let map = curvature_map(face, &cover.partition);
+    let (pieces, mut left) = pieces(cover, aim);
     let whole: f64 = pieces.iter().map(|p| p.area).sum();
     let mut done = 0.0;
     let mut out = Patchwork::default();
@@ -155,8 +155,8 @@ fn straight(first: usize, face: &Face, options: &RuledOptions, control: &Control
     if options.conoidal {
         return None;
     }
-    let state = exactly_covered(face, &CoverOptions::new(options.tolerance), control)?;
-    let Built { patchwork, certificate, .. } = build(first, &state, options.tolerance).0;
+    let cover = exactly_covered(face, &CoverOptions::new(options.tolerance), control)?;
+    let Built { patchwork, certificate, .. } = build(first, &cover, options.tolerance).0;
     let longest = |panel: &Panel| {
         let clipped = ClippedRulings::new(panel);
         let (a, b) = clipped.range();

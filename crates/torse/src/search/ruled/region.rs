@@ -8,7 +8,7 @@ use crate::fit::ruled::directions::Curvatures;
 use crate::geom::Vec3;
 use crate::num::hash::HashMap;
 use crate::patchwork::partition::{edges, Partition};
-use crate::search::cover::State;
+use crate::search::cover::Cover;
 use crate::spline::surface::SurfaceJet;
 use std::sync::Arc;
 
@@ -116,8 +116,8 @@ pub(super) fn shade(c: &Curvatures, size: f64) -> f64 {
 }
 
 /// The pieces of a face that can have strips, and what cannot, with its area in mm².
-pub(super) fn pieces(mut state: State, tolerance: f64) -> (Vec<FacePiece>, Vec<(LeftOut, f64)>) {
-    let face = Arc::clone(&state.face);
+pub(super) fn pieces(mut cover: Cover, tolerance: f64) -> (Vec<FacePiece>, Vec<(LeftOut, f64)>) {
+    let face = Arc::clone(&cover.face);
     let size = face.surface.bbox().diagonal();
     // Rulings of half the face's size keep to half the tolerance up to this curvature, where it is positive: what bends more
     // would need strips with kinks between them.
@@ -125,26 +125,26 @@ pub(super) fn pieces(mut state: State, tolerance: f64) -> (Vec<FacePiece>, Vec<(
     let bend =
         |p: [f64; 2]| Curvatures::of(&face.surface.jet(p[0], p[1])).map_or(allowed, |c| c.least_bend() - allowed);
     let domed = 1;
-    let before = state.partition.triangles.len();
-    state.cut(0, domed, bend);
-    let whole = state.region(0).area() + state.region(domed).area();
+    let before = cover.partition.triangles.len();
+    cover.cut(0, domed, bend);
+    let whole = cover.region(0).area() + cover.region(domed).area();
     let mut left = Vec::new();
-    let area = state.region(domed).area();
+    let area = cover.region(domed).area();
     if area > 0.0 {
         left.push((LeftOut::Domed { entity: face.entity, percent: 100.0 * area / whole }, area));
     }
-    let labels = if state.partition.region(0).is_empty() { Vec::new() } else { state.partition.split_components(0) };
-    let alone = area <= 0.0 && labels.len() == 1 && state.partition.triangles.len() == before;
-    let jets: Vec<SurfaceJet> = state.jets.iter().map(|j| j.jet).collect();
+    let labels = if cover.partition.region(0).is_empty() { Vec::new() } else { cover.partition.split_components(0) };
+    let alone = area <= 0.0 && labels.len() == 1 && cover.partition.triangles.len() == before;
+    let jets: Vec<SurfaceJet> = cover.jets.iter().map(|j| j.jet).collect();
     let mut out = Vec::new();
     for label in labels {
-        let area = state.region(label).area();
+        let area = cover.region(label).area();
         if area < SLIVER * whole {
             left.push((LeftOut::Sliver { entity: face.entity }, area));
             continue;
         }
-        let new = state.partition.trim_edges.values().copied().max().unwrap_or(0) + 1;
-        let mut piece = part(&face, (&state.partition, &jets), label, new);
+        let new = cover.partition.trim_edges.values().copied().max().unwrap_or(0) + 1;
+        let mut piece = part(&face, (&cover.partition, &jets), label, new);
         if alone {
             piece.face = (*face).clone();
         }

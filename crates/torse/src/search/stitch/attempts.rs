@@ -17,7 +17,7 @@ use crate::num::parallel;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::NewBorder;
 use crate::search::build::{build_on, limits_missed, Built, Joined};
-use crate::search::cover::{CoverOptions, Job, Limits, Recount, State};
+use crate::search::cover::{Cover, CoverOptions, Job, Limits, Recount};
 use crate::search::joint::{self, Asked, BorderCounts, Further, JoinedLine, Joint, Meeting};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,7 +51,7 @@ const INTERSECTIONS: usize = 8;
 struct Attempts<'a> {
     index: usize,
     /// Its cover.
-    state: &'a State,
+    cover: &'a Cover,
     tolerance: f64,
     /// Limits of sheet and material, seams that must stay.
     wanted: &'a CoverOptions,
@@ -81,7 +81,7 @@ pub(crate) struct Side<'a> {
     /// Its number.
     pub index: usize,
     /// Its cover.
-    pub state: &'a State,
+    pub cover: &'a Cover,
     /// Its panels.
     pub built: &'a Built,
     /// What was asked for.
@@ -105,16 +105,16 @@ enum Moving<'a> {
 /// can be certified; as they are where it cannot. Asked for are what covers are, and what other numbers of strips may be tried.
 pub(crate) fn met(
     index: usize,
-    state: &State,
+    cover: &Cover,
     (built, unproven): (Built, BTreeSet<u32>),
     (wanted, recounts): (&CoverOptions, &[Recount]),
     control: &Control,
 ) -> Built {
     let tolerance = built.certificate.tolerance;
-    let base = state.as_built(&built);
+    let base = cover.as_built(&built);
     let mut attempts = Attempts {
         index,
-        state,
+        cover,
         tolerance,
         wanted,
         control,
@@ -126,7 +126,7 @@ pub(crate) fn met(
     };
     // Strips that are laid end to end need edges, and nothing else.
     if attempts.is_end_to_end() {
-        attempts.intersect(state);
+        attempts.intersect(cover);
     }
     if recounts.contains(&Recount::Less) && attempts.recounted(Recount::Less) {
         return attempts.best;
@@ -135,7 +135,7 @@ pub(crate) fn met(
     // it has brought nothing.
     let moved = base.as_ref().is_some_and(|b| attempts.changed_together(b, &REGULAR));
     if !moved {
-        attempts.intersect(state);
+        attempts.intersect(cover);
     }
     if recounts.contains(&Recount::More) {
         attempts.recounted(Recount::More);
@@ -149,7 +149,7 @@ type Placed = Option<Result<Built, Refused>>;
 /// The panels of faces, none for those that stay as they are, laid anew so that they meet at places between faces; `None` for
 /// those that cannot be proven, or whose panels would meet in fewer edges.
 pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], control: &Control) -> Vec<Option<Built>> {
-    let attempts: Vec<Option<(Attempts, State)>> = sides.into_iter().map(|s| attempted(s?, control)).collect();
+    let attempts: Vec<Option<(Attempts, Cover)>> = sides.into_iter().map(|s| attempted(s?, control)).collect();
     let asked = attempts.iter().map(|a| {
         let (a, _) = a.as_ref()?;
         Some(move |labels: [u32; 2]| a.is_asked_for(&a.best, pair(labels)))
@@ -174,7 +174,7 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
         if control.stopped() {
             break;
         }
-        let placed = |(a, joined): (&Option<(Attempts, State)>, Option<joint::Joined>)| {
+        let placed = |(a, joined): (&Option<(Attempts, Cover)>, Option<joint::Joined>)| {
             let ((a, base), joined) = (a.as_ref()?, joined?);
             if refinement == 0 && a.is_too_far(&joined) {
                 return None;
@@ -189,7 +189,7 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
             }
         }
         if !again {
-            let good = |(a, p): (&Option<(Attempts, State)>, Placed)| {
+            let good = |(a, p): (&Option<(Attempts, Cover)>, Placed)| {
                 let (a, next) = (&a.as_ref()?.0, p?.ok()?);
                 a.is_no_worse(&next).then_some(next)
             };
@@ -199,13 +199,13 @@ pub(crate) fn met_together(sides: Vec<Option<Side>>, meetings: &[Meeting], contr
     attempts.iter().map(|_| None).collect()
 }
 
-/// A face that is to meet others, and its panels as a state.
-fn attempted<'a>(side: Side<'a>, control: &'a Control) -> Option<(Attempts<'a>, State)> {
-    let Side { index, state, built, wanted, borders } = side;
-    let base = state.as_built(built)?;
+/// A face that is to meet others, and its panels as a cover.
+fn attempted<'a>(side: Side<'a>, control: &'a Control) -> Option<(Attempts<'a>, Cover)> {
+    let Side { index, cover, built, wanted, borders } = side;
+    let base = cover.as_built(built)?;
     let attempts = Attempts {
         index,
-        state,
+        cover,
         tolerance: built.certificate.tolerance,
         wanted,
         control,
@@ -254,8 +254,8 @@ impl Attempts<'_> {
     /// Whether strips are equally high along all their borders.
     fn is_end_to_end(&self) -> bool {
         let torses = torses(&self.best);
-        let intersections = Intersections::new(&self.state.face, &torses);
-        let largest = self.state.as_built(&self.best).and_then(|s| intersections.largest_gap(&s));
+        let intersections = Intersections::new(&self.cover.face, &torses);
+        let largest = self.cover.as_built(&self.best).and_then(|s| intersections.largest_gap(&s));
         largest.is_some_and(|gap| gap <= END_TO_END * self.tolerance)
     }
 
@@ -266,11 +266,11 @@ impl Attempts<'_> {
 
     /// Strips of one program in place of those at hand, with one share of their regularity after the other until all seams are
     /// closed; whether that brought anything.
-    fn changed_together(&mut self, base: &State, shares: &[f64]) -> bool {
+    fn changed_together(&mut self, base: &Cover, shares: &[f64]) -> bool {
         let mut moved = false;
         for &regular in shares {
             if self.is_open() && self.joined(base, regular).is_some_and(|next| self.keep(next)) {
-                self.intersect(self.state);
+                self.intersect(self.cover);
                 moved = true;
             }
         }
@@ -284,8 +284,8 @@ impl Attempts<'_> {
         if !free || !self.is_open() {
             return false;
         }
-        let job = Job::new(&self.state.face, self.wanted, self.control);
-        let Some(next) = job.recounted(self.state, recount) else { return false };
+        let job = Job::new(&self.cover.face, self.wanted, self.control);
+        let Some(next) = job.recounted(self.cover, recount) else { return false };
         let next = next.with_smooth_borders(self.tolerance, |_| true);
         // Labels are others, and no flat pattern is given up.
         let unproven = std::mem::replace(&mut self.unproven, OnceLock::from(BTreeSet::new()));
@@ -303,9 +303,9 @@ impl Attempts<'_> {
     }
 
     /// Moves borders that are still open to where the strips of the best panels intersect.
-    fn intersect(&mut self, state: &State) {
+    fn intersect(&mut self, cover: &Cover) {
         if self.is_open() {
-            if let Some(next) = self.intersecting(&self.best, state) {
+            if let Some(next) = self.intersecting(&self.best, cover) {
                 self.keep(next);
             }
         }
@@ -323,17 +323,17 @@ impl Attempts<'_> {
 
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
     /// that is not possible, or cannot be proven.
-    fn intersecting(&self, built: &Built, state: &State) -> Option<Built> {
+    fn intersecting(&self, built: &Built, cover: &Cover) -> Option<Built> {
         let torses = torses(built);
-        let intersections = Intersections::new(&self.state.face, &torses);
-        let base = state.as_built(built)?;
+        let intersections = Intersections::new(&self.cover.face, &torses);
+        let base = cover.as_built(built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
         self.bordered_at(&intersections, &base, wanted, Moving::Accepted(built)).ok()
     }
 
     /// Strips of the program over all of them, with their borders under their edges; strips that are refused all the same
     /// stay as they are, with their borders.
-    fn joined(&self, base: &State, regular: f64) -> Option<Built> {
+    fn joined(&self, base: &Cover, regular: f64) -> Option<Built> {
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
         let mut without = BTreeSet::new();
         for _ in 0..=EXCLUSIONS {
@@ -351,7 +351,7 @@ impl Attempts<'_> {
 
     /// Panels of strips that were changed together. Places where they are too far away count the next time. Errors are the
     /// labels to do without.
-    fn refined(&self, base: &State, joint: &mut Joint) -> Result<Built, Vec<u32>> {
+    fn refined(&self, base: &Cover, joint: &mut Joint) -> Result<Built, Vec<u32>> {
         for refinement in 0..=REFINEMENTS {
             let joined = joint.joined(self.control).filter(|_| !self.control.stopped()).ok_or_else(Vec::new)?;
             if refinement == 0 && self.is_too_far(&joined) {
@@ -377,7 +377,7 @@ impl Attempts<'_> {
 
     /// Panels of strips that were changed together. The `last` time a few strips that are refused are laid anew each for itself.
     /// Errors are the labels to do without, or places that should count the next time.
-    fn placed(&self, base: &State, joined: joint::Joined, last: bool) -> Result<Built, Refused> {
+    fn placed(&self, base: &Cover, joined: joint::Joined, last: bool) -> Result<Built, Refused> {
         let without = |labels: Vec<u32>| Refused { labels, too_far: Vec::new() };
         let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
         let mut next = base.clone();
@@ -403,8 +403,8 @@ impl Attempts<'_> {
         let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
         let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
         let intersections = Intersections::new(&next.face, &next.torses()).with_known_edges(edges, vertices);
-        let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
-            self.bordered_at(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
+        let moved = |cover: &Cover, wanted: &[[u32; 2]], how: Moving| {
+            self.bordered_at(&intersections, &intersections.with_vertices(cover), wanted.to_vec(), how)
         };
         let mut refused = match along_lines.as_ref().map(|s| moved(s, &wanted, Moving::Done)) {
             Some(Ok(found)) => return Ok(found),
@@ -435,27 +435,27 @@ impl Attempts<'_> {
         Err(without(if is_kept { refused.labels } else { worst.into_iter().collect() }))
     }
 
-    /// The state with a few strips that were refused laid anew on their regions, each for itself.
-    fn mended(&self, mut state: State, base: &State, labels: &[u32]) -> Option<State> {
-        if labels.is_empty() || labels.len() as f64 > REFUSED_SHARE * state.panels.len() as f64 {
+    /// The cover with a few strips that were refused laid anew on their regions, each for itself.
+    fn mended(&self, mut cover: Cover, base: &Cover, labels: &[u32]) -> Option<Cover> {
+        if labels.is_empty() || labels.len() as f64 > REFUSED_SHARE * cover.panels.len() as f64 {
             return None;
         }
         for label in labels {
-            let fits = [base, &state].map(|s| s.panels.get(label).cloned());
-            let found = Job::new(&self.state.face, self.wanted, self.control)
-                .laid_anew(state.region(*label), fits.iter().flatten())?;
-            state.panels.insert(*label, found);
+            let fits = [base, &cover].map(|s| s.panels.get(label).cloned());
+            let found = Job::new(&self.cover.face, self.wanted, self.control)
+                .laid_anew(cover.region(*label), fits.iter().flatten())?;
+            cover.panels.insert(*label, found);
         }
-        Some(state)
+        Some(cover)
     }
 
-    /// The panels of a state with borders where strips intersect, and the edges that panels share already. Errors where that
+    /// The panels of a cover with borders where strips intersect, and the edges that panels share already. Errors where that
     /// is not possible, or cannot be proven. Panels that are refused keep their borders if they were accepted before; else
     /// nothing more is tried.
     fn bordered_at(
         &self,
         intersections: &Intersections,
-        base: &State,
+        base: &Cover,
         mut wanted: Vec<[u32; 2]>,
         how: Moving,
     ) -> Result<Built, Refused> {
@@ -509,9 +509,9 @@ impl Attempts<'_> {
 
     /// Panels with common edges, and the labels of those that are refused: also for a flat pattern that is not proven, but is
     /// without these edges.
-    fn built_on(&self, state: &State, edges: &[SharedSeam]) -> (Built, Vec<u32>) {
+    fn built_on(&self, cover: &Cover, edges: &[SharedSeam]) -> (Built, Vec<u32>) {
         let joined = Joined { edges, known: &self.known };
-        let (next, mut bad) = build_on(self.index, state, (self.tolerance, self.control), joined);
+        let (next, mut bad) = build_on(self.index, cover, (self.tolerance, self.control), joined);
         if bad.is_empty() {
             bad = unproven(&next, self.control);
             if !bad.is_empty() {
@@ -524,7 +524,7 @@ impl Attempts<'_> {
 
     /// Whether the border between two labels lies in a plane or on a line in which a seam must run: such borders stay.
     fn is_asked_for(&self, built: &Built, labels: [u32; 2]) -> bool {
-        let (planes, lines) = (&self.wanted.layout.seams, &self.state.seam_lines);
+        let (planes, lines) = (&self.wanted.layout.seams, &self.cover.seam_lines);
         let any = !planes.is_empty() || !lines.is_empty();
         let Some(partition) = built.patchwork.partitions.first().filter(|_| any) else { return false };
         let seams = built.patchwork.seams();
@@ -532,7 +532,7 @@ impl Attempts<'_> {
             seams.iter().filter(|s| both(s.sides.map(|s| s.of.label())) == Some(labels)).map(|s| s.sides[0].run);
         let place = |v: &u32| {
             let [a, b] = partition.vertices[*v as usize];
-            self.state.face.surface.point(a, b)
+            self.cover.face.surface.point(a, b)
         };
         let along = |r: &Coedge, height: &dyn Fn(&Vec3) -> f64| {
             r.vertices.iter().all(|v| height(&place(v)).abs() <= self.tolerance)
@@ -615,16 +615,16 @@ fn both(labels: [Option<u32>; 2]) -> Option<[u32; 2]> {
     Some(pair([labels[0]?, labels[1]?]))
 }
 
-impl State {
-    /// The state with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
-    fn redrawn(&self, lines: &[JoinedLine]) -> Result<State, Vec<[u32; 2]>> {
+impl Cover {
+    /// The cover with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
+    fn redrawn(&self, lines: &[JoinedLine]) -> Result<Cover, Vec<[u32; 2]>> {
         let lines: Vec<NewBorder> = lines.iter().map(|l| NewBorder { labels: l.labels, uv: &l.uv }).collect();
         let (u, v) = (self.face.surface.knots_u.breaks(), self.face.surface.knots_v.breaks());
         Ok(self.with_partition(self.partition.redrawn(&lines, [&u, &v])?))
     }
 
-    /// The state of panels that may have other labels than this one.
-    pub(crate) fn of_panels(&self, built: &Built) -> Option<State> {
+    /// The cover of panels that may have other labels than this one.
+    pub(crate) fn of_panels(&self, built: &Built) -> Option<Cover> {
         let mut out = self.with_partition(built.patchwork.partitions.first()?.clone());
         out.bands.clear();
         let fit = |p: &Panel| {
@@ -635,8 +635,8 @@ impl State {
         Some(out)
     }
 
-    /// The state with the torses and the partition of panels.
-    fn as_built(&self, built: &Built) -> Option<State> {
+    /// The cover with the torses and the partition of panels.
+    fn as_built(&self, built: &Built) -> Option<Cover> {
         let mut out = self.with_partition(built.patchwork.partitions.first()?.clone());
         for p in &built.patchwork.panels {
             let trim = p.trim.as_ref()?;

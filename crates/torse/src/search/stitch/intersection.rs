@@ -14,7 +14,7 @@ use crate::num::hash::{HashMap, HashSet};
 use crate::num::parallel;
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders as borders_of;
-use crate::search::cover::State;
+use crate::search::cover::Cover;
 use crate::search::joint::{turning, whole_borders};
 use crate::spline::curve::Curve;
 use crate::spline::lsq;
@@ -123,22 +123,22 @@ impl<'a> Intersections<'a> {
 
     /// Largest difference (mm) of the heights of two strips at a vertex of their border; `None` where there is no border, or a strip
     /// has no height.
-    pub fn largest_gap(&self, state: &State) -> Option<f64> {
-        let borders = state.borders();
-        let gaps = borders.seam_chains().into_iter().map(|c| self.gap(&borders, &c, state));
+    pub fn largest_gap(&self, cover: &Cover) -> Option<f64> {
+        let borders = cover.borders();
+        let gaps = borders.seam_chains().into_iter().map(|c| self.gap(&borders, &c, cover));
         gaps.collect::<Option<Vec<f64>>>()?.into_iter().reduce(f64::max)
     }
 
     /// The same along one border.
-    fn gap(&self, borders: &Borders, chain: &SeamChain, state: &State) -> Option<f64> {
+    fn gap(&self, borders: &Borders, chain: &SeamChain, cover: &Cover) -> Option<f64> {
         let strips = self.pair(borders, chain.labels)?;
-        let at = |v: &u32| strips.difference(state.partition.vertices[*v as usize]).map(f64::abs);
+        let at = |v: &u32| strips.difference(cover.partition.vertices[*v as usize]).map(f64::abs);
         chain.vertices.iter().map(at).try_fold(0.0_f64, |most, gap| Some(most.max(gap?)))
     }
 
     /// Whether a border lies where two strips are equally high already.
-    fn is_level(&self, borders: &Borders, chain: &SeamChain, state: &State) -> bool {
-        self.gap(borders, chain, state).is_some_and(|gap| gap <= EDGE.1 * chain.length)
+    fn is_level(&self, borders: &Borders, chain: &SeamChain, cover: &Cover) -> bool {
+        self.gap(borders, chain, cover).is_some_and(|gap| gap <= EDGE.1 * chain.length)
     }
 
     /// Whether two strips are parts of one torse, which do not intersect: any border between them is an edge of both.
@@ -159,12 +159,12 @@ impl<'a> Intersections<'a> {
         labels.into_iter().filter_map(point).collect()
     }
 
-    /// The state with the vertices in which borders end inside the face under the points that their labels have in common;
+    /// The cover with the vertices in which borders end inside the face under the points that their labels have in common;
     /// others make way. Vertices that cannot go there stay where they get to.
-    pub fn with_vertices(&self, state: &State) -> State {
-        let borders = state.borders();
+    pub fn with_vertices(&self, cover: &Cover) -> Cover {
+        let borders = cover.borders();
         let surface = &self.face.surface;
-        let mut partition = state.partition.clone();
+        let mut partition = cover.partition.clone();
         let lines = [surface.knots_u.breaks(), surface.knots_v.breaks()];
         let points = self.common_points(&borders.seam_chains());
         for (v, x) in points {
@@ -200,7 +200,7 @@ impl<'a> Intersections<'a> {
                 partition.relax([&lines[0], &lines[1]]);
             }
         }
-        state.with_partition(partition)
+        cover.with_partition(partition)
     }
 
     /// Parameters of the place on the face whose normal goes through a point.
@@ -222,10 +222,10 @@ impl<'a> Intersections<'a> {
         ((u0..=u1).contains(&p[0]) && (v0..=v1).contains(&p[1])).then_some(p)
     }
 
-    /// The state with the borders between pairs of labels about where their strips intersect; second result: the pairs
+    /// The cover with the borders between pairs of labels about where their strips intersect; second result: the pairs
     /// whose borders were moved.
-    pub fn cut(&self, state: &State, pairs: &[[u32; 2]]) -> (State, Vec<[u32; 2]>) {
-        let mut now = state.clone();
+    pub fn cut(&self, cover: &Cover, pairs: &[[u32; 2]]) -> (Cover, Vec<[u32; 2]>) {
+        let mut now = cover.clone();
         let (mut moved, mut left) = (Vec::new(), pairs.to_vec());
         // Where a border must wait until the next one has made room it is tried again.
         loop {
@@ -255,17 +255,17 @@ impl<'a> Intersections<'a> {
         (now, moved)
     }
 
-    /// The state with the vertices of these borders where the strips intersect. A corner of a border that cannot go there,
+    /// The cover with the vertices of these borders where the strips intersect. A corner of a border that cannot go there,
     /// since its triangle lies between its neighbours, is left to the other side.
-    pub fn settled(&self, state: &State, pairs: &[[u32; 2]]) -> State {
-        let borders = state.borders();
+    pub fn settled(&self, cover: &Cover, pairs: &[[u32; 2]]) -> Cover {
+        let borders = cover.borders();
         let chains = borders.seam_chains();
         let (along, strips): (Vec<&SeamChain>, Vec<Pair>) = chains
             .iter()
             .filter(|c| pairs.contains(&pair(c.labels)))
             .filter_map(|c| Some((c, self.pair(&borders, c.labels)?)))
             .unzip();
-        let mut partition = state.partition.clone();
+        let mut partition = cover.partition.clone();
         let staying = settle(self.face, &mut partition, &along, |k, p, fixed| strips[k].onto(p, fixed));
         for chain in along {
             for corner in chain.vertices.windows(3).filter(|w| staying.contains(&w[1])) {
@@ -275,19 +275,19 @@ impl<'a> Intersections<'a> {
                 partition.labels[t] = if partition.labels[t] == a { b } else { a };
             }
         }
-        state.with_partition(partition)
+        cover.with_partition(partition)
     }
 
     /// Edges of these borders, and the pairs for which there is none.
-    pub fn edges(&self, state: &State, borders: &Borders, pairs: &[[u32; 2]]) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
-        self.edges_through(&self.common_points(&borders.seam_chains()), state, borders, pairs)
+    pub fn edges(&self, cover: &Cover, borders: &Borders, pairs: &[[u32; 2]]) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
+        self.edges_through(&self.common_points(&borders.seam_chains()), cover, borders, pairs)
     }
 
     /// The same, with the points in which edges must end at vertices.
     pub fn edges_through(
         &self,
         points: &BTreeMap<u32, Vec3>,
-        state: &State,
+        cover: &Cover,
         borders: &Borders,
         pairs: &[[u32; 2]],
     ) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
@@ -300,8 +300,8 @@ impl<'a> Intersections<'a> {
         for (is_known, p) in pairs {
             let mut edge = |c: &SeamChain| {
                 let strips = self.pair(borders, c.labels)?;
-                let Some(known) = strips.known else { return strips.edge(state, c, &mut ends) };
-                let edge = strips.known_edge(known, state, c, points)?;
+                let Some(known) = strips.known else { return strips.edge(cover, c, &mut ends) };
+                let edge = strips.known_edge(known, cover, c, points)?;
                 for (v, x) in
                     [(c.vertices.first(), edge.edge.control.first()), (c.vertices.last(), edge.edge.control.last())]
                 {
@@ -407,14 +407,14 @@ impl Pair<'_> {
         Some(p)
     }
 
-    /// The state with the regions beside a border cut where the strips intersect. `None` where they cross at too small an
+    /// The cover with the regions beside a border cut where the strips intersect. `None` where they cross at too small an
     /// angle or too far away, or regions would come out in pieces.
-    fn cut(&self, state: &State, chain: &SeamChain) -> Option<State> {
+    fn cut(&self, cover: &Cover, chain: &SeamChain) -> Option<Cover> {
         let labels = chain.labels;
         let line = &chain.vertices;
         let last = line.len() - 1;
-        let at = |v: u32| state.partition.vertices[v as usize];
-        let place = |v: u32| state.jets[v as usize].jet.p;
+        let at = |v: u32| cover.partition.vertices[v as usize];
+        let place = |v: u32| cover.jets[v as usize].jet.p;
         // 1. Ways from the border to the intersection, positive towards the first label, which is on the left.
         let across: Vec<[f64; 2]> = parallel::map(0..=last, |i| {
             let tangent = place(line[(i + 1).min(last)]) - place(line[i.saturating_sub(1)]);
@@ -425,7 +425,7 @@ impl Pair<'_> {
         let sign = across[last / 2][1].signum();
         let ways: Vec<f64> = across.iter().map(|[difference, slope]| -difference / slope).collect();
         let reach = if self.known.is_some() { REACH.1 } else { REACH.0 };
-        let most = labels.map(|l| reach * state.region(l).area() / chain.length);
+        let most = labels.map(|l| reach * cover.region(l).area() / chain.length);
         let crossing = across.iter().all(|[_, slope]| slope * sign > LEAST_ANGLE);
         if !crossing || ways.iter().any(|w| w.abs() > most[usize::from(*w < 0.0)]) {
             return None;
@@ -437,12 +437,12 @@ impl Pair<'_> {
             .collect();
         // 2. Vertices near the border know their side; all others keep it.
         let on_line: HashSet<u32> = line.iter().copied().collect();
-        let triangles = || state.partition.triangles.iter();
+        let triangles = || cover.partition.triangles.iter();
         let beside: HashSet<u32> =
             triangles().filter(|t| t.iter().any(|v| on_line.contains(v))).flatten().copied().collect();
         let vertices: Vec<(u32, f64)> = [(labels[0], 1.0), (labels[1], -1.0)]
             .into_iter()
-            .flat_map(|(l, side)| state.partition.region_vertices(l).into_iter().map(move |v| (v, side)))
+            .flat_map(|(l, side)| cover.partition.region_vertices(l).into_iter().map(move |v| (v, side)))
             .collect();
         let asked: Vec<(u32, f64, Option<f64>)> = parallel::map(vertices.iter(), |&(v, side)| {
             let near = |i: usize| (place(line[i]) - place(v)).norm() <= ASKED * reach[i];
@@ -454,7 +454,7 @@ impl Pair<'_> {
         let known: HashMap<[u64; 2], f64> =
             asked.iter().map(|&(v, side, found)| (bits(at(v)), -found.map_or(side, |d| sign * d))).collect();
         let value = |p: [f64; 2]| known.get(&bits(p)).copied().or_else(|| Some(-sign * self.difference(p)?));
-        let mut out = state.clone();
+        let mut out = cover.clone();
         out.partition.labels.iter_mut().filter(|l| **l == labels[1]).for_each(|l| *l = labels[0]);
         out.cut(labels[0], labels[1], |p| value(p).unwrap_or(0.0));
         let single = |l: &u32| out.partition.components(&out.partition.region(*l), |_, _| true).len() == 1;
@@ -470,9 +470,9 @@ impl Pair<'_> {
     /// The curve in space along which the strips intersect, over a border whose vertices lie there. Inside, places are
     /// looked for anew: vertices on crossings of knot lines cannot be moved; the border between parts of one torse lies anywhere on
     /// it. Edges that end in one vertex end in one point, of those in `ends`, which grow.
-    fn edge(&self, state: &State, chain: &SeamChain, ends: &mut Ends) -> Option<SharedSeam> {
+    fn edge(&self, cover: &Cover, chain: &SeamChain, ends: &mut Ends) -> Option<SharedSeam> {
         let line = &chain.vertices;
-        let at = |v: u32| state.partition.vertices[v as usize];
+        let at = |v: u32| cover.partition.vertices[v as usize];
         let lifted = |p: [f64; 2]| self.at(p).map(|(x, n, [a, b])| x + n * (0.5 * (a + b)));
         let parts = PLACES.0.max(PLACES.1 / line.len());
         let count = parts * (line.len() - 1);
@@ -537,12 +537,12 @@ impl Pair<'_> {
     fn known_edge(
         &self,
         known: &KnownEdge,
-        state: &State,
+        cover: &Cover,
         chain: &SeamChain,
         points: &BTreeMap<u32, Vec3>,
     ) -> Option<SharedSeam> {
         let beside = |&v: &u32| {
-            let p = state.partition.vertices[v as usize];
+            let p = cover.partition.vertices[v as usize];
             let n = self.borders.normal(p).try_normalize(0.0)?;
             known.beside(&self.face.surface.point(p[0], p[1]), &n).map(|b| b.0)
         };
@@ -598,22 +598,22 @@ mod tests {
     }
 
     /// The square, cut at x = 50 into the labels 0 and 1.
-    fn halves(face: &Face) -> State {
-        let mut state = State::of_face(face, 20.0).expect("a state");
-        state.partition.labels.fill(0);
-        state.cut(0, 1, |p| p[0] - 0.5);
-        state
+    fn halves(face: &Face) -> Cover {
+        let mut cover = Cover::of_face(face, 20.0).expect("a cover");
+        cover.partition.labels.fill(0);
+        cover.cut(0, 1, |p| p[0] - 0.5);
+        cover
     }
 
     #[test]
     fn borders_move_to_where_strips_intersect() {
         let face = square();
-        let state = halves(&face);
+        let cover = halves(&face);
         // Equal at x = 53 + y/25, which is 1.0 to 5.0 beside the border.
         let (left, right) = (plane(-5.3, 0.1, -0.004), plane(5.3, -0.1, 0.004));
         let torses = BTreeMap::from([(0, &left), (1, &right)]);
         let intersections = Intersections::new(&face, &torses);
-        let (cut, moved) = intersections.cut(&state, &[[0, 1]]);
+        let (cut, moved) = intersections.cut(&cover, &[[0, 1]]);
         assert_eq!(moved, [[0, 1]]);
         let settled = intersections.settled(&cut, &moved);
         assert!((settled.region(0).area() - 5500.0).abs() < 1e-6 && (settled.region(1).area() - 4500.0).abs() < 1e-6);
@@ -633,7 +633,7 @@ mod tests {
     #[test]
     fn borders_stay_where_strips_hardly_cross_or_cross_far_away() {
         let face = square();
-        let state = halves(&face);
+        let cover = halves(&face);
         // At an angle of 0.001 rad; at x = 90, beyond 0.4 of the right half; one above the other.
         for (left, right) in [
             (plane(-0.025, 0.0005, 0.0), plane(0.025, -0.0005, 0.0)),
@@ -641,9 +641,9 @@ mod tests {
             (plane(1.0, 0.0, 0.0), plane(-1.0, 0.0, 0.0)),
         ] {
             let torses = BTreeMap::from([(0, &left), (1, &right)]);
-            let (same, moved) = Intersections::new(&face, &torses).cut(&state, &[[0, 1]]);
+            let (same, moved) = Intersections::new(&face, &torses).cut(&cover, &[[0, 1]]);
             assert!(moved.is_empty());
-            assert_eq!(same.partition.labels, state.partition.labels);
+            assert_eq!(same.partition.labels, cover.partition.labels);
         }
     }
 }

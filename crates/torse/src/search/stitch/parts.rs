@@ -8,59 +8,59 @@ use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::partition::Partition;
-use crate::search::cover::State;
+use crate::search::cover::Cover;
 use crate::spline::curve::Curve;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Panels that are cut.
 pub(crate) struct Wholes<'a> {
     /// The regions of a face.
-    pub state: &'a State,
+    pub cover: &'a Cover,
     /// Panels on them.
     pub panels: &'a Patchwork,
 }
 
 impl Wholes<'_> {
     /// The regions on both sides of a border between parts, which share the torses of their regions.
-    fn beside(&self, parts: &State, labels: [u32; 2]) -> Option<[u32; 2]> {
+    fn beside(&self, parts: &Cover, labels: [u32; 2]) -> Option<[u32; 2]> {
         let whole_of = |label: u32| {
             let torse = &parts.panels.get(&label)?.torse;
-            self.state.panels.iter().find(|(_, fit)| fit.torse == *torse).map(|(whole, _)| *whole)
+            self.cover.panels.iter().find(|(_, fit)| fit.torse == *torse).map(|(whole, _)| *whole)
         };
         let [a, b] = labels.map(whole_of);
         Some(pair([a?, b?]))
     }
 
     /// Whether the border between two parts is a cut through one region.
-    pub fn is_cut(&self, parts: &State, labels: [u32; 2]) -> bool {
+    pub fn is_cut(&self, parts: &Cover, labels: [u32; 2]) -> bool {
         self.beside(parts, labels).is_some_and(|[a, b]| a == b)
     }
 
     /// The edges of the panels, by their regions; none of those that have several with a neighbour.
     fn known(&self) -> BTreeMap<[u32; 2], Curve<3>> {
         let mut out: BTreeMap<[u32; 2], Option<Curve<3>>> = BTreeMap::new();
-        for e in kept(self.panels, &self.state.borders()) {
+        for e in kept(self.panels, &self.cover.borders()) {
             out.entry(pair(e.labels)).and_modify(|known| *known = None).or_insert(Some(e.edge));
         }
         out.into_iter().filter_map(|(labels, edge)| Some((labels, edge?))).collect()
     }
 
     /// The parts with the vertices in which they are cut under the edges of the panels.
-    pub fn settled(&self, parts: &State) -> State {
+    pub fn settled(&self, parts: &Cover) -> Cover {
         let whole_of = |label: &u32| self.beside(parts, [*label; 2]).map_or(*label, |[whole, _]| whole);
         let mut partition = parts.partition.clone();
         partition.labels = partition.labels.iter().map(whole_of).collect();
         let known = self.known();
         let along: Vec<[u32; 2]> = known.keys().copied().collect();
-        let intersections = Intersections::new(&self.state.face, &self.state.torses())
+        let intersections = Intersections::new(&self.cover.face, &self.cover.torses())
             .with_known_edges(known.into_iter().collect(), Vec::new());
-        let settled = intersections.settled(&self.state.with_partition(partition), &along);
+        let settled = intersections.settled(&self.cover.with_partition(partition), &along);
         parts.with_partition(Partition { vertices: settled.partition.vertices, ..parts.partition.clone() })
     }
 
     /// The edges of the parts: cuts, and shares of those of the panels.
-    pub fn edges(&self, parts: &State) -> Vec<SharedSeam> {
-        let before = self.state.borders();
+    pub fn edges(&self, parts: &Cover) -> Vec<SharedSeam> {
+        let before = self.cover.borders();
         let old = kept(self.panels, &before);
         // Points in which edges end already, by vertex.
         let chains = before.seam_chains();

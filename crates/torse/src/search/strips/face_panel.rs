@@ -12,7 +12,7 @@ use crate::fit::near::exact::{exact, ExactOptions};
 use crate::fit::panels::on_rulings::OnRulings;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::Pattern;
-use crate::search::cover::State;
+use crate::search::cover::Cover;
 use crate::torse::form::PanelKind;
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ const CLOSE: (f64, f64) = (0.01, 0.5);
 /// A face with its panel. `None` where the face has no straight parameter lines or no triangles, and where its border cannot be
 /// carried over.
 pub(crate) fn face_panel(face: &Face, name: &str) -> Option<Patchwork> {
-    let (state, rulings, _) = triangles(face)?;
+    let (cover, rulings, _) = triangles(face)?;
     let kind = match recognise(face) {
         RecognisedSurface::Plane(_) => PanelKind::Plane,
         RecognisedSurface::Cylinder { .. } | RecognisedSurface::GeneralCylinder { .. } => PanelKind::Cylinder,
@@ -42,7 +42,7 @@ pub(crate) fn face_panel(face: &Face, name: &str) -> Option<Patchwork> {
     let panel = OnRulings::new(face, &rulings)?.panel(name, kind, TRIM * face.surface.bbox().diagonal())?;
     Some(Patchwork {
         faces: vec![face.clone()],
-        partitions: vec![state.partition],
+        partitions: vec![cover.partition],
         panels: vec![panel],
         seam_count: 0,
         joint_count: 0,
@@ -65,10 +65,10 @@ pub(crate) struct LaidFace {
 /// parameter lines, turns too far for one panel, or one of the proofs fails.
 pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidFace> {
     let asked = ExactOptions { goal: CLOSE.0 * tolerance, accepted: CLOSE.1 * tolerance };
-    let (mut state, rulings, turn) = triangles(face)?;
-    let fit = (turn <= MOST_TURN).then(|| exact(&rulings, &state.region(0).samples(), &asked))??;
-    state.panels.insert(0, Arc::new(fit));
-    let mut built = build(0, &state, tolerance).0;
+    let (mut cover, rulings, turn) = triangles(face)?;
+    let fit = (turn <= MOST_TURN).then(|| exact(&rulings, &cover.region(0).samples(), &asked))??;
+    cover.panels.insert(0, Arc::new(fit));
+    let mut built = build(0, &cover, tolerance).0;
     let [pattern] = <[Pattern; 1]>::try_from(built.patterns).ok()?;
     let pattern = Pattern { name: name.to_owned(), ..pattern };
     built.patchwork.panels.iter_mut().for_each(|p| name.clone_into(&mut p.strip.name));
@@ -78,7 +78,7 @@ pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidF
 }
 
 /// Triangles of a face along its rulings, these, and by how much the normal turns over them (rad).
-fn triangles(face: &Face) -> Option<(State, Rulings<'_>, f64)> {
+fn triangles(face: &Face) -> Option<(Cover, Rulings<'_>, f64)> {
     let extent = face.surface.bbox().diagonal();
     let rulings = Rulings::of(&face.surface, bounds(face), STRAIGHT * extent)?;
     let (mut across, mut whole): (Vec<f64>, f64) = (Vec::new(), 0.0);
@@ -96,6 +96,6 @@ fn triangles(face: &Face) -> Option<(State, Rulings<'_>, f64)> {
     across.push(rulings.range().1);
     let (lo, hi) = rulings.reach();
     let [u, v] = rulings.lines(across, vec![lo, hi]);
-    let state = State::on_lines(face, u, v).ok()?;
-    Some((state, rulings, whole))
+    let cover = Cover::on_lines(face, u, v).ok()?;
+    Some((cover, rulings, whole))
 }

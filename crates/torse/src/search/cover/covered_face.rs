@@ -34,9 +34,9 @@ pub struct Origin {
     pub paper_estimate: f64,
 }
 
-/// A face in the making: its regions and the torses found for them.
+/// A face parted into regions, with the torses found for them; those without one are still to be covered.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct Cover {
     /// The face.
     pub face: Arc<Face>,
     /// Regions.
@@ -64,7 +64,7 @@ const CELLS: usize = 64;
 /// Largest number of cells of the first triangulation.
 const MOST_CELLS: usize = 6000;
 
-impl State {
+impl Cover {
     /// Triangulates a face: along its knot lines, and fine enough to tell strips of width `strip` (mm) apart.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl State {
         let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
             face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
         let partition = triangulate(&loops, &lines_u, &lines_v)?;
-        let mut state = Self {
+        let mut cover = Self {
             face: Arc::new(face.clone()),
             partition,
             jets: Vec::new(),
@@ -107,11 +107,11 @@ impl State {
             seam_lines: Arc::default(),
             touched: false,
         };
-        state.update();
-        Ok(state)
+        cover.update();
+        Ok(cover)
     }
 
-    /// The state with another partition of the same labels.
+    /// The cover with another partition of the same labels.
     pub(in crate::search) fn with_partition(&self, partition: Partition) -> Self {
         let mut out = Self {
             face: Arc::clone(&self.face),
