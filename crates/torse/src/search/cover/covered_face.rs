@@ -136,7 +136,7 @@ impl Cover {
     pub(super) fn bounds(&self) -> [f64; 4] {
         let none = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         let join = |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])];
-        self.partition.distinct_labels().iter().map(|&l| self.partition.bounds(l)).fold(none, join)
+        self.regions().map(|r| r.bounds()).fold(none, join)
     }
 
     /// Evaluates the surface at new vertices.

@@ -17,7 +17,7 @@ use super::curve_on_face::{carried_on, CurveError, PanelCurve};
 use super::job::{Job, DISTANCE_SHARE};
 use super::layout::DirectionField;
 use super::march::{TRIALS, UNKNOWN};
-use super::region::Density;
+use super::region::{Density, Region};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
 use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
@@ -102,12 +102,11 @@ impl Job<'_> {
 
     /// Number of strips that theory promises along a direction field; `None` where it says nothing.
     fn promised(&self, cover: &Cover, directions: &DirectionField<'_>) -> Option<f64> {
-        let along = |label: &u32| {
-            let region = cover.region(*label);
+        let along = |region: Region| {
             let potential = self.directed_strip_potentials(directions, region, (700, 2)).into_iter().next()?;
             Some(self.bands_predicted(region, &potential).max(1.0))
         };
-        cover.partition.distinct_labels().iter().map(along).sum()
+        cover.regions().map(along).sum()
     }
 
     /// At most so many panels along curves, on from there, and in what is left free.

@@ -119,10 +119,9 @@ impl Cover {
 
     /// Whether a face is curved with one sign wherever it was looked at.
     fn has_one_sign(&self) -> bool {
-        let labels = self.partition.distinct_labels();
-        let each = SAMPLES / labels.len().max(1) + 1;
+        let each = SAMPLES / self.regions().count().max(1) + 1;
         let sign = |f: &Forms| f.principal().iter().map(|k| k.signum()).product::<f64>();
-        let signs: Vec<f64> = labels.iter().flat_map(|l| self.region(*l).forms(each)).map(|f| sign(&f)).collect();
+        let signs: Vec<f64> = self.regions().flat_map(|r| r.forms(each)).map(|f| sign(&f)).collect();
         signs.windows(2).all(|w| w[0] == w[1])
     }
 }

@@ -28,15 +28,20 @@ pub enum Density {
 #[derive(Clone, Copy, Debug)]
 pub struct Region<'a> {
     /// The cover that it is a part of.
-    pub cover: &'a Cover,
+    pub(super) cover: &'a Cover,
     /// Its label.
-    pub label: u32,
+    pub(super) label: u32,
 }
 
 impl Cover {
     /// The region with a label.
     pub fn region(&self, label: u32) -> Region<'_> {
         Region { cover: self, label }
+    }
+
+    /// All regions, in the order of their labels.
+    pub(super) fn regions(&self) -> impl Iterator<Item = Region<'_>> {
+        self.partition.distinct_labels().into_iter().map(|label| self.region(label))
     }
 }
 
@@ -62,7 +67,7 @@ impl<'a> Region<'a> {
     }
 
     /// Its vertices.
-    fn vertices(&self) -> Vec<u32> {
+    pub(in crate::search) fn vertices(&self) -> Vec<u32> {
         self.cover.partition.region_vertices(self.label)
     }
 
@@ -134,7 +139,7 @@ impl<'a> Region<'a> {
     }
 
     /// The cover with this region as a part of another.
-    pub(super) fn joined_to(&self, label: u32) -> Cover {
+    pub(in crate::search) fn joined_to(&self, label: u32) -> Cover {
         let mut next = self.cover.clone();
         next.partition.labels.iter_mut().filter(|l| **l == self.label).for_each(|l| *l = label);
         next
@@ -146,7 +151,7 @@ impl<'a> Region<'a> {
     }
 
     /// Samples at the vertices, weighted by area.
-    pub fn samples(&self) -> Vec<Sample> {
+    pub(in crate::search) fn samples(&self) -> Vec<Sample> {
         let mut weight: BTreeMap<u32, f64> = BTreeMap::new();
         for t in self.cells() {
             let a = self.cover.triangle_area(t) / 3.0;

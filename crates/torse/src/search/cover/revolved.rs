@@ -307,11 +307,11 @@ fn parted(face: &Face, meridian: &Meridian, ends: &[f64]) -> Option<Cover> {
 impl Cover {
     /// Labels between two parameters of the meridian.
     fn ring(&self, meridian: &Meridian, [from, to]: [f64; 2]) -> Vec<u32> {
-        let inside = |label: &u32| {
-            let t = self.region(*label).cells()[0];
+        let inside = |region: &Region| {
+            let t = region.cells()[0];
             (from..=to).contains(&centroid(self.partition.corners(t))[meridian.along()])
         };
-        self.partition.distinct_labels().into_iter().filter(inside).collect()
+        self.regions().filter(inside).map(|r| r.label).collect()
     }
 }
 

@@ -22,7 +22,7 @@ use crate::patchwork::partition::Partition;
 use crate::patchwork::triangulate::TriangulateError;
 use left_out::LeftOut;
 use region::{pieces, FacePiece};
-use strips::{Found, Region};
+use strips::{Found, PlannedPiece};
 
 pub use strips::RuledOptions;
 
@@ -119,13 +119,13 @@ fn assessed(
 ) -> Result<(Found, Certificate), LeftOut> {
     // As in the main job the proof has its own clock.
     let prove = |found: &Found| certify::patchwork(&found.patchwork, options.tolerance, &Control::default());
-    let mut region = Region::new(piece, options, any, control)?;
+    let mut planned = PlannedPiece::new(piece, options, any, control)?;
     let mut best: Option<(Found, Option<Certificate>)> = None;
     for share in SHARES {
         if control.stopped() && best.is_some() {
             break;
         }
-        let mut found = match region.strips(share * aim, aim, control) {
+        let mut found = match planned.strips(share * aim, aim, control) {
             Ok(found) => found,
             Err(reason) if best.is_none() => return Err(reason),
             Err(_) => break,

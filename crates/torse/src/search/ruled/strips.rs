@@ -100,7 +100,7 @@ struct Plan {
 }
 
 /// A piece and what is asked of its strips.
-pub(super) struct Region<'a> {
+pub(super) struct PlannedPiece<'a> {
     piece: &'a FacePiece,
     outline: Outline,
     options: &'a RuledOptions,
@@ -111,7 +111,7 @@ pub(super) struct Region<'a> {
     least: Vec<usize>,
 }
 
-impl<'a> Region<'a> {
+impl<'a> PlannedPiece<'a> {
     /// Coordinates for strips: both families of asymptotic curves and three sorts of boundaries; parameter lines too if
     /// `any` may do, or where they are nearly straight all over the piece.
     ///

@@ -414,7 +414,7 @@ impl Pair<'_> {
         let line = &chain.vertices;
         let last = line.len() - 1;
         let at = |v: u32| cover.partition.vertices[v as usize];
-        let place = |v: u32| cover.jets[v as usize].jet.p;
+        let place = |v: u32| cover.point(v);
         // 1. Ways from the border to the intersection, positive towards the first label, which is on the left.
         let across: Vec<[f64; 2]> = parallel::map(0..=last, |i| {
             let tangent = place(line[(i + 1).min(last)]) - place(line[i.saturating_sub(1)]);
@@ -442,7 +442,7 @@ impl Pair<'_> {
             triangles().filter(|t| t.iter().any(|v| on_line.contains(v))).flatten().copied().collect();
         let vertices: Vec<(u32, f64)> = [(labels[0], 1.0), (labels[1], -1.0)]
             .into_iter()
-            .flat_map(|(l, side)| cover.partition.region_vertices(l).into_iter().map(move |v| (v, side)))
+            .flat_map(|(l, side)| cover.region(l).vertices().into_iter().map(move |v| (v, side)))
             .collect();
         let asked: Vec<(u32, f64, Option<f64>)> = parallel::map(vertices.iter(), |&(v, side)| {
             let near = |i: usize| (place(line[i]) - place(v)).norm() <= ASKED * reach[i];
@@ -454,8 +454,7 @@ impl Pair<'_> {
         let known: HashMap<[u64; 2], f64> =
             asked.iter().map(|&(v, side, found)| (bits(at(v)), -found.map_or(side, |d| sign * d))).collect();
         let value = |p: [f64; 2]| known.get(&bits(p)).copied().or_else(|| Some(-sign * self.difference(p)?));
-        let mut out = cover.clone();
-        out.partition.labels.iter_mut().filter(|l| **l == labels[1]).for_each(|l| *l = labels[0]);
+        let mut out = cover.region(labels[1]).joined_to(labels[0]);
         out.cut(labels[0], labels[1], |p| value(p).unwrap_or(0.0));
         let single = |l: &u32| out.partition.components(&out.partition.region(*l), |_, _| true).len() == 1;
         let far: HashMap<u32, f64> = asked.iter().filter(|a| a.2.is_none()).map(|a| (a.0, a.1)).collect();
@@ -625,7 +624,7 @@ mod tests {
             assert!((x - 53.0 - y / 25.0).abs() < 1e-9 && z.abs() < 1e-9, "({x}, {y}, {z})");
         }
         for (s, &v) in edges[0].parameters.iter().zip(&borders.seam_chains()[0].vertices) {
-            let off = Vec3::from(edges[0].edge.point(*s)) - settled.jets[v as usize].jet.p;
+            let off = Vec3::from(edges[0].edge.point(*s)) - settled.point(v);
             assert!(off.norm() < 1e-9, "{off}");
         }
     }
