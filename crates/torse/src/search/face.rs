@@ -302,8 +302,8 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     let exact = exactly_covered(&face, &options, &Control::default());
     let is_exact = exact.is_some();
     let exact = exact.or_else(|| {
-        let (ended, cover) = revolved(&face, &options, &wanted.between, control)?;
-        face = ended;
+        let cover = revolved(&face, &options, &wanted.between, control)?;
+        face = (*cover.face).clone();
         options.tolerance = whole - face.joint_bound() - face.trim_bound();
         Some(cover)
     });

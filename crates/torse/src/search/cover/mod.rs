@@ -9,7 +9,8 @@
 //!
 //! What is developable already, and faces of revolution, come before all that (`exact`, `revolved`).
 //!
-//! This file holds the recursion; `propose` fits and proves single torses, `march` lays bands.
+//! This file holds the recursion; `covered_face` holds what is known of the face, `region` answers for one part of it, `propose`
+//! fits and proves single torses, `march` lays bands.
 
 mod covered_face;
 mod curve_on_face;

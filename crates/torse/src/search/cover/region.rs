@@ -57,7 +57,7 @@ impl<'a> Region<'a> {
     }
 
     /// Indices of its triangles.
-    pub(super) fn cells(&self) -> Vec<usize> {
+    pub(in crate::search) fn cells(&self) -> Vec<usize> {
         self.cover.partition.region(self.label)
     }
 

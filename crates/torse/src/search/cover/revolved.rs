@@ -53,14 +53,14 @@ const CELLS: usize = 8;
 /// Places per direction at which torses are compared with their cones.
 const COMPARED: usize = 65;
 
-/// A face of revolution covered with cones about its axis, proven; it ends a hair before its poles, if it has any. `None` where
-/// it is no such face, where strips or seams are to run in other ways, or where cones cannot be proven.
+/// A face of revolution covered with cones about its axis, proven; the face of the cover ends a hair before its poles, if it has
+/// any. `None` where it is no such face, where strips or seams are to run in other ways, or where cones cannot be proven.
 pub(in crate::search) fn revolved(
     face: &Face,
     options: &CoverOptions,
     between: &HashSet<(u32, u64)>,
     control: &Control,
-) -> Option<(Face, Cover)> {
+) -> Option<Cover> {
     let layout = &options.layout;
     let no_seams = layout.seams.is_empty() && layout.seam_curves.is_empty();
     let is_free = layout.curves.is_empty() && no_seams && layout.guide.is_none();
@@ -99,7 +99,7 @@ fn about_axis(
     most: Option<usize>,
     between: &HashSet<(u32, u64)>,
     control: &Control,
-) -> Option<(Face, Cover)> {
+) -> Option<Cover> {
     let meridian = meridian(face, options.tolerance)?;
     let most = match most {
         Some(most) => most,
@@ -121,8 +121,7 @@ fn about_axis(
             return None;
         }
         if let Some(cover) = job.cones(&meridian, &corners, &chords).filter(|_| !control.stopped()) {
-            drop(job);
-            return Some((ended, cover));
+            return Some(cover);
         }
         // What so many chords cannot be near enough for takes one more.
         allowed = LESS * chords.distance;
@@ -352,7 +351,7 @@ mod tests {
         Face::untrimmed(revolve(&circle, &axis, (0.0, turn), latitudes).expect("a surface").0)
     }
 
-    fn cones(face: &Face, tolerance: f64) -> Option<(Face, Cover)> {
+    fn cones(face: &Face, tolerance: f64) -> Option<Cover> {
         revolved(face, &CoverOptions::new(tolerance), &HashSet::default(), &Control::default())
     }
 
@@ -360,8 +359,12 @@ mod tests {
     fn faces_that_go_all_round_become_cones() {
         // Zones between 0.6 rad on both sides of the equator: 120 mm, and cones within 1 mm are 4 √100 = 40 mm wide.
         let face = zone((-0.6, 0.6), TAU);
-        let (same, cover) = cones(&face, 1.05).expect("cones");
-        assert!(cover.is_complete() && cover.panels.len() == 3 && same.trim_bound() <= 0.0, "{}", cover.panels.len());
+        let cover = cones(&face, 1.05).expect("cones");
+        assert!(
+            cover.is_complete() && cover.panels.len() == 3 && cover.face.trim_bound() <= 0.0,
+            "{}",
+            cover.panels.len()
+        );
         for fit in cover.panels.values() {
             assert!(fit.error < 1.05 && fit.error > 0.7, "{}", fit.error);
         }
@@ -370,10 +373,11 @@ mod tests {
     #[test]
     fn poles_lie_under_the_tip_of_a_cone() {
         let face = zone((0.9, FRAC_PI_2), TAU);
-        let (ended, cover) = cones(&face, 2.0).expect("cones");
+        let cover = cones(&face, 2.0).expect("cones");
+        let bound = cover.face.trim_bound();
         // A cap 67 mm from rim to pole; what ends beside the pole counts.
         assert!(cover.is_complete() && cover.panels.len() <= 2, "{}", cover.panels.len());
-        assert!(ended.trim_bound() > 0.0 && ended.trim_bound() < 0.05, "{}", ended.trim_bound());
+        assert!(bound > 0.0 && bound < 0.05, "{bound}");
     }
 
     #[test]
@@ -384,7 +388,7 @@ mod tests {
         let centre = Frame { origin: axis.x * 150.0, y: axis.z, z: -axis.y, ..axis };
         let circle = SpaceCurve::Ellipse { frame: centre, a: 50.0, b: 50.0 };
         let face = Face::untrimmed(revolve(&circle, &axis, (0.0, TAU), (0.0, TAU)).expect("a surface").0);
-        let (_, cover) = cones(&face, 3.8).expect("cones");
+        let cover = cones(&face, 3.8).expect("cones");
         assert!(cover.is_complete() && cover.panels.len() == 7, "{}", cover.panels.len());
         assert!(cover.panels.values().all(|fit| fit.error < 2.7));
     }
@@ -394,7 +398,7 @@ mod tests {
         // Far less round than high: strips that run up it are fewer.
         assert!(cones(&zone((-0.8, 0.8), 0.3), 1.05).is_none());
         let face = zone((-0.15, 0.15), 6.0);
-        assert!(cones(&face, 1.05).is_some_and(|(_, cover)| cover.is_complete()));
+        assert!(cones(&face, 1.05).is_some_and(|cover| cover.is_complete()));
         let mut options = CoverOptions::new(1.05);
         options.limits.max_length = Some(300.0);
         assert!(revolved(&face, &options, &HashSet::default(), &Control::default()).is_none());

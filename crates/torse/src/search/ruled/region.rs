@@ -133,7 +133,7 @@ pub(super) fn pieces(mut cover: Cover, tolerance: f64) -> (Vec<FacePiece>, Vec<(
     if area > 0.0 {
         left.push((LeftOut::Domed { entity: face.entity, percent: 100.0 * area / whole }, area));
     }
-    let labels = if cover.partition.region(0).is_empty() { Vec::new() } else { cover.partition.split_components(0) };
+    let labels = if cover.region(0).cells().is_empty() { Vec::new() } else { cover.partition.split_components(0) };
     let alone = area <= 0.0 && labels.len() == 1 && cover.partition.triangles.len() == before;
     let jets: Vec<SurfaceJet> = cover.jets.iter().map(|j| j.jet).collect();
     let mut out = Vec::new();

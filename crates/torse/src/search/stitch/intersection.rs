@@ -456,7 +456,7 @@ impl Pair<'_> {
         let value = |p: [f64; 2]| known.get(&bits(p)).copied().or_else(|| Some(-sign * self.difference(p)?));
         let mut out = cover.region(labels[1]).joined_to(labels[0]);
         out.cut(labels[0], labels[1], |p| value(p).unwrap_or(0.0));
-        let single = |l: &u32| out.partition.components(&out.partition.region(*l), |_, _| true).len() == 1;
+        let single = |l: &u32| out.partition.components(&out.region(*l).cells(), |_, _| true).len() == 1;
         let far: HashMap<u32, f64> = asked.iter().filter(|a| a.2.is_none()).map(|a| (a.0, a.1)).collect();
         let keeps = |(t, l): (&[u32; 3], &u32)| {
             let side = if *l == labels[0] { 1.0 } else { -1.0 };
