@@ -88,6 +88,31 @@ fn ends_are_rulings(patches: &[BezierPatch], strip: &MapStrip) -> bool {
 /// Pieces along rulings between knots.
 const ALONG: usize = 4;
 
+/// The far end of a piece is at most so many times as far from an apex as the near one: a distance is told by the least slope of the cone
+/// on it.
+const FARTHER: f64 = 2.5;
+/// Halvings towards an apex at most.
+const PARTINGS: u32 = 30;
+
+/// Ends of pieces of a stretch along the rulings of a strip, all but the first, finer and finer towards the apex of its cone; fans may
+/// begin a hair before it.
+fn parted_towards_apex(surface: &Surface, strip: &MapStrip, [a, b]: [f64; 2], left: u32, out: &mut Vec<f64>) {
+    let ruling = 0.5 * (strip.span[0] + strip.span[1]);
+    let away = |t: f64| {
+        let p = if strip.swapped { surface.point(t, ruling) } else { surface.point(ruling, t) };
+        (p - strip.map.frame().origin).norm()
+    };
+    let (near, far) = (away(a).min(away(b)), away(a).max(away(b)));
+    let is_cone = matches!(strip.map, ClosedMap::Cone { .. });
+    if is_cone && left > 0 && far > FARTHER * near && near > POINT * far {
+        let middle = 0.5 * (a + b);
+        parted_towards_apex(surface, strip, [a, middle], left - 1, out);
+        parted_towards_apex(surface, strip, [middle, b], left - 1, out);
+    } else {
+        out.push(b);
+    }
+}
+
 /// The same for the part of a surface between two rulings; unknown if these are not at the angles that the strip says.
 pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBound {
     let [a, b] = strip.span;
@@ -103,13 +128,10 @@ pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBou
     }
     // Along the rulings of a cone, which is less and less curved, in pieces.
     let pieces = |all: &[f64]| {
-        let of = |w: &[f64]| (1..=ALONG).map(|k| w[0] + (w[1] - w[0]) * k as f64 / ALONG as f64).collect::<Vec<f64>>();
         let mut out = vec![all[0]];
         for w in all.windows(2) {
-            out.extend(of(w));
-            // To the bit, the knot.
-            out.pop();
-            out.push(w[1]);
+            let of = |k: usize| if k == ALONG { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / ALONG as f64 };
+            (0..ALONG).for_each(|k| parted_towards_apex(surface, strip, [of(k), of(k + 1)], PARTINGS, &mut out));
         }
         out
     };
@@ -393,5 +415,30 @@ mod tests {
             |u: f64| distance_from_map_surface(&surface, &[0.0, u, 0.0, 1.0], &ClosedMap::Plane(Frame::world())).1;
         assert!(whole(17.0) && !whole(16.0));
         assert!(bound(20.0, 30.0).is_infinite() && bound(f64::NAN, 3.0).is_infinite());
+    }
+
+    /// A fan that begins a hair before its tip against a cone of another half angle: what is shown of it is what that makes of its far side.
+    #[test]
+    fn fans_that_begin_a_hair_before_their_apex_are_not_far_from_their_cone() {
+        let (frame, half_angle, long) = (Frame::world(), 0.5_f64, 600.0);
+        let cone = SupportSurface::Cone { frame, radius: 0.0, slope: half_angle.tan() };
+        let bound = |hair: f64, off: f64| {
+            let fan = cone.to_spline((0.2, 1.0), (hair, long)).expect("a spline").0;
+            let map = ClosedMap::Cone { frame, half_angle: half_angle + off, behind: 0.0, turn: half_angle.sin() };
+            let (from, to) = fan.domain().0;
+            let (turn, shift) = ([1.0, 0.0], crate::geom::Vec2::zeros());
+            distance_of_strip(
+                &fan,
+                &MapStrip { map, turn, shift, span: [from, to], swapped: false, angles: [0.2, 1.0] },
+            )
+            .value()
+        };
+        for hair in [0.0, 1e-9, 1e-6, 1e-4, 1e-2, 1.0] {
+            let exact = bound(hair, 0.0);
+            assert!(exact < 1e-6, "{hair:e}: {exact:e}");
+            let found = bound(hair, 1e-4);
+            let slant = long / half_angle.cos();
+            assert!((0.9e-4 * slant..3e-4 * slant).contains(&found), "{hair:e}: {found}");
+        }
     }
 }
