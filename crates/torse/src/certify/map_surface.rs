@@ -27,7 +27,10 @@ const ROUNDING: f64 = 1e-12;
 /// is laid flat; unknown where a weight is not positive, and where no patch lies there. With whether that holds for the whole surface:
 /// else places of a face beyond the box, to which its trim was read by chords, may be farther by as much as they are beyond.
 pub(crate) fn distance_from_map_surface(surface: &Surface, within: &[f64; 4], map: &ClosedMap) -> (UpperBound, bool) {
-    let mut patches = surface.bezier_patches();
+    let ((u0, u1), (v0, v1)) = surface.domain();
+    let us = finer(&surface.knots_u.breaks(), 1, map, &|u| surface.point(u, 0.5 * (v0 + v1)));
+    let vs = finer(&surface.knots_v.breaks(), 1, map, &|v| surface.point(0.5 * (u0 + u1), v));
+    let mut patches = surface.bezier_patches_on(&us, &vs);
     let count = patches.len();
     // What only touches the box has a neighbour there.
     patches.retain(|p| p.u.1 > within[0] && p.u.0 < within[1] && p.v.1 > within[2] && p.v.0 < within[3]);
@@ -94,20 +97,32 @@ const FARTHER: f64 = 2.5;
 /// Halvings towards an apex at most.
 const PARTINGS: u32 = 30;
 
-/// Ends of pieces of a stretch along the rulings of a strip, all but the first, finer and finer towards the apex of its cone; fans may
-/// begin a hair before it.
-fn parted_towards_apex(surface: &Surface, strip: &MapStrip, [a, b]: [f64; 2], left: u32, out: &mut Vec<f64>) {
-    let ruling = 0.5 * (strip.span[0] + strip.span[1]);
-    let away = |t: f64| {
-        let p = if strip.swapped { surface.point(t, ruling) } else { surface.point(ruling, t) };
-        (p - strip.map.frame().origin).norm()
-    };
+/// Places and so many parts between any two, along a curve; on a cone finer and finer towards its apex: fans may begin a hair before it.
+fn finer(all: &[f64], parts: usize, map: &ClosedMap, curve: &dyn Fn(f64) -> Vec3) -> Vec<f64> {
+    let mut out = vec![all[0]];
+    for w in all.windows(2) {
+        // To the bit, the knots.
+        let at = |k: usize| if k == parts { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / parts as f64 };
+        for k in 0..parts {
+            match map {
+                ClosedMap::Cone { frame, .. } => {
+                    let away = |t: f64| (curve(t) - frame.origin).norm();
+                    parted_towards_apex([at(k), at(k + 1)], &away, PARTINGS, &mut out);
+                }
+                ClosedMap::Plane(_) | ClosedMap::Cylinder { .. } => out.push(at(k + 1)),
+            }
+        }
+    }
+    out
+}
+
+/// The ends of the parts of a stretch, all but the first, by their distance from an apex.
+fn parted_towards_apex([a, b]: [f64; 2], away: &dyn Fn(f64) -> f64, left: u32, out: &mut Vec<f64>) {
     let (near, far) = (away(a).min(away(b)), away(a).max(away(b)));
-    let is_cone = matches!(strip.map, ClosedMap::Cone { .. });
-    if is_cone && left > 0 && far > FARTHER * near && near > POINT * far {
+    if left > 0 && far > FARTHER * near && near > POINT * far {
         let middle = 0.5 * (a + b);
-        parted_towards_apex(surface, strip, [a, middle], left - 1, out);
-        parted_towards_apex(surface, strip, [middle, b], left - 1, out);
+        parted_towards_apex([a, middle], away, left - 1, out);
+        parted_towards_apex([middle, b], away, left - 1, out);
     } else {
         out.push(b);
     }
@@ -127,13 +142,10 @@ pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBou
         return UpperBound::UNKNOWN;
     }
     // Along the rulings of a cone, which is less and less curved, in pieces.
-    let pieces = |all: &[f64]| {
-        let mut out = vec![all[0]];
-        for w in all.windows(2) {
-            let of = |k: usize| if k == ALONG { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / ALONG as f64 };
-            (0..ALONG).for_each(|k| parted_towards_apex(surface, strip, [of(k), of(k + 1)], PARTINGS, &mut out));
-        }
-        out
+    let ruling = 0.5 * (a + b);
+    let pieces = |all: &[f64]| match strip.swapped {
+        true => finer(all, ALONG, &strip.map, &|t| surface.point(t, ruling)),
+        false => finer(all, ALONG, &strip.map, &|t| surface.point(ruling, t)),
     };
     let patches = match strip.swapped {
         true => surface.bezier_patches_on(&pieces(&us), &within(&vs)),
@@ -427,18 +439,14 @@ mod tests {
             let map = ClosedMap::Cone { frame, half_angle: half_angle + off, behind: 0.0, turn: half_angle.sin() };
             let (from, to) = fan.domain().0;
             let (turn, shift) = ([1.0, 0.0], crate::geom::Vec2::zeros());
-            distance_of_strip(
-                &fan,
-                &MapStrip { map, turn, shift, span: [from, to], swapped: false, angles: [0.2, 1.0] },
-            )
-            .value()
+            let whole = distance_from_map_surface(&fan, &ALL, &map).0.value();
+            let strip = MapStrip { map, turn, shift, span: [from, to], swapped: false, angles: [0.2, 1.0] };
+            [whole, distance_of_strip(&fan, &strip).value()]
         };
         for hair in [0.0, 1e-9, 1e-6, 1e-4, 1e-2, 1.0] {
-            let exact = bound(hair, 0.0);
-            assert!(exact < 1e-6, "{hair:e}: {exact:e}");
-            let found = bound(hair, 1e-4);
-            let slant = long / half_angle.cos();
-            assert!((0.9e-4 * slant..3e-4 * slant).contains(&found), "{hair:e}: {found}");
+            let (exact, found, slant) = (bound(hair, 0.0), bound(hair, 1e-4), long / half_angle.cos());
+            assert!(exact.iter().all(|d| *d < 1e-6), "{hair:e}: {exact:?}");
+            assert!(found.iter().all(|d| (0.9e-4 * slant..3e-4 * slant).contains(d)), "{hair:e}: {found:?}");
         }
     }
 }
