@@ -175,6 +175,29 @@ fn fans_between_planes_are_proven() {
     }
 }
 
+/// What `unroll` wrote of a hull whose fans begin a hair before their tips, one of them 600 mm long and 1 mm wide: it comes back, and is
+/// laid flat again.
+#[test]
+fn fans_that_begin_a_hair_before_their_tips_are_laid_flat_again() {
+    const TOLERANCE: f64 = 0.05;
+    let rail = |name: &str, bytes: &[u8]| torse::read_curve(bytes, &CurveOptions::new(name)).expect("a rail").0;
+    let square = rail("square", include_bytes!("../../../data/duct_square.dxf"));
+    let round = rail("round", include_bytes!("../../../data/duct_round.dxf"));
+    let mut hull = torse::hull(&[square, round], &torse::Hull::new(TOLERANCE), &Control::default()).expect("a hull");
+    let mut files: Files = torse::files(&mut hull, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let mut unrolled = Vec::new();
+    for _ in 0..2 {
+        let model = torse::read(&files["panels.step"]).expect("panels");
+        let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(TOLERANCE) };
+        let mut flat = torse::unroll(&model, &options, &Control::default()).expect("flat parts");
+        files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+        assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims());
+        unrolled.push(files.clone());
+    }
+    let back = refold(&|n| unrolled[0].get(n).cloned(), None, &Control::default()).expect("an answer");
+    assert_eq!(back.status(), Status::Certified, "{:?}", back.report());
+}
+
 /// A quarter of a cone and a plane that meets it in a sharp bend along its first ruling: the bend lies on the edge of what is
 /// rolled, and is no line of it. Normals of both may look to one side of the sheet or not.
 #[test]
