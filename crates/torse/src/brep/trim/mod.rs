@@ -23,7 +23,7 @@ use crate::geom::placement::Placement;
 use crate::geom::{BBox, Frame};
 use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
-use pcurve::{TracedLoop, POINT_SHARE, WHOLE_PERIOD};
+use pcurve::{TracedLoop, Welds, POINT_SHARE, WHOLE_PERIOD};
 use std::sync::Arc as Shared;
 
 /// Share of the boundary's extent below which chords are no closer, whatever is asked for.
@@ -92,10 +92,15 @@ fn faces_on(
     // A loop of the wrong sense shows by a region that is not bounded; the other sense is then tried. On a surface without border
     // both sides of a loop are bounded, and the sense says which is meant.
     let tells = raw.support.is_nearly_closed() && !loops.iter().any(|l| l.outer);
-    match bounded(&raw, &loops, size, tolerance) {
+    let made = |loops: &[RawLoop]| match bounded(&raw, loops, size, tolerance, Welds::Straight) {
+        // Sides that were left where they are may cross their neighbours.
+        Err(first @ TrimError::SelfTouching(_)) => bounded(&raw, loops, size, tolerance, Welds::All).map_err(|_| first),
+        other => other,
+    };
+    match made(&loops) {
         Err(first @ (TrimError::OpenWinding | TrimError::SelfTouching(_) | TrimError::NoArea)) if !tells => {
             let turned: Vec<RawLoop> = loops.iter().map(RawLoop::reversed).collect();
-            bounded(&raw, &turned, size, tolerance).map_err(|_| first)
+            made(&turned).map_err(|_| first)
         }
         other => other,
     }
@@ -187,7 +192,7 @@ fn face(raw: &RawFace, surface: Surface, loops: Vec<TrimLoop>, deviation: f64, b
 }
 
 /// Faces from loops, their sense taken as given where it matters.
-fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Result<Vec<Face>, TrimError> {
+fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64, welds: Welds) -> Result<Vec<Face>, TrimError> {
     let support = &raw.support;
     let periods = support.periods();
     // 1. Trace every loop in the unwrapped parameter plane.
@@ -228,7 +233,7 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         let mut deviation = 0.0;
         let mut polygons = Vec::new();
         for c in &chains {
-            let p = pcurve::chords(support, c, &map, size, tolerance)?;
+            let p = pcurve::chords(support, c, &map, (size, tolerance), welds)?;
             deviation = p.deviation.max(deviation);
             polygons.push(p.polygon);
         }

@@ -33,7 +33,7 @@ const WELD_SHARE: f64 = 1e-4;
 /// Ends nearer to the surface than this share of the extent lie on it, though the edge between them leaves it.
 const ENDS_SHARE: f64 = 1e-3;
 /// Ends that are moved to the middle of a gap may move the other end of their chord by so many times the gap, if it went on there.
-const TURNED: f64 = 10.0;
+const TURNED: f64 = 1e3;
 /// Natural parameters nearer than this share of a period are of one lift of a point, others of another.
 const SAME_LIFT: f64 = 0.02;
 /// Chords of one face at most.
@@ -45,6 +45,15 @@ const DEEPEST: u32 = 14;
 const VAIN: usize = 256;
 /// … and so many halvings are enough: finer chords would follow the scatter, and cost minutes.
 const DEEPEST_IN_VAIN: u32 = 6;
+
+/// Which ends of edges are moved to the middle of the gap between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Welds {
+    /// Those whose chords are not turned by it.
+    Straight,
+    /// All that are near enough.
+    All,
+}
 
 /// One piece of an edge with samples in the unwrapped natural parameter plane.
 #[derive(Clone, Debug)]
@@ -440,8 +449,8 @@ pub(super) fn chords(
     support: &SupportSurface,
     chain: &TracedLoop,
     map: &[ParameterMap; 2],
-    size: f64,
-    tolerance: f64,
+    (size, tolerance): (f64, f64),
+    welds: Welds,
 ) -> Result<Chords, TrimError> {
     let forward = |q: [f64; 2]| [map[0].forward(q[0]), map[1].forward(q[1])];
     let natural = |p: [f64; 2]| [map[0].inverse(p[0]).0, map[1].inverse(p[1]).0];
@@ -478,7 +487,8 @@ pub(super) fn chords(
         let beside = [pieces[i].iter().nth_back(1), pieces[j].get(1)];
         let turned =
             beside.into_iter().flatten().map(|p| distance(support, natural(*p), a, b, map)).fold(0.0, f64::max);
-        if s.joint.is_none() && gap <= WELD_SHARE * size && turned <= tolerance.max(TURNED * gap) {
+        let straight = welds == Welds::All || turned <= tolerance.max(TURNED * gap);
+        if s.joint.is_none() && gap <= WELD_SHARE * size && straight {
             let m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             if let Some(last) = pieces[i].last_mut() {
                 *last = m;
@@ -679,7 +689,8 @@ mod tests {
         let chain = TracedLoop { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
         let map = [ParameterMap::Same, ParameterMap::Same];
         for tolerance in [1e-3, 2e-4, 5e-5, 1e-5] {
-            let points = chords(&support, &chain, &map, 10.0, tolerance).expect("chords").polygon.points;
+            let points =
+                chords(&support, &chain, &map, (10.0, tolerance), Welds::Straight).expect("chords").polygon.points;
             let middle = |w: &[[f64; 2]]| 0.5 * (w[0][0] + w[1][0]).hypot(w[0][1] + w[1][1]);
             // Not the chord that closes the polygon.
             let rise = points.windows(2).map(|w| 10.0 - middle(w)).fold(0.0, f64::max);
@@ -709,7 +720,8 @@ mod tests {
         let pcurve = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
         let chain = TracedLoop { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
         let same = [ParameterMap::Same, ParameterMap::Same];
-        let found = chords(&support, &chain, &same, size, 1e-5 * size).expect("chords").polygon.points.len();
+        let found =
+            chords(&support, &chain, &same, (size, 1e-5 * size), Welds::Straight).expect("chords").polygon.points.len();
         assert!(found > VAIN, "the feet do not scatter: {found} chords");
         assert!(found < 16 * VAIN, "{found} chords");
     }
