@@ -604,9 +604,9 @@ pub enum LoftExtension {
 
 The curve is a STEP or IGES file (FILE#NUMBER names an edge or curve), a Rhino file (FILE#NUMBER or FILE#NAME), a DXF
 file (FILE#LAYER or FILE#HANDLE), a table of points x, y, z, or a control net (JSON: unit, degree, knots, points,
-first_ruling, last_ruling). It must be smooth. The strip is exactly developable. All solutions are listed in the report; the one whose regression curve keeps farthest
-from the curve is taken. Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures,
-report.html and report.json.
+first_ruling, last_ruling). It must be smooth. The strip is exactly developable. All solutions are listed in the
+report; the one whose regression curve keeps farthest from the curve is taken. Written into the output folder:
+panels.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html and report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 no regular surface holds the rulings, or not
 certified (files written and marked).")]
@@ -681,9 +681,10 @@ pub struct Net {
   torse hull loop.csv --unit mm --tolerance 0.1mm --out cushion
 
 A curve is a STEP or IGES file (FILE#NUMBER names an edge or curve), a Rhino file (all its curves, or FILE#NUMBER or
-FILE#NAME), a DXF file (all its curves, or FILE#LAYER or FILE#HANDLE), or a table of points with columns x, y, z. The boundary of the convex hull of all curves consists of planar triangles and developable strips; planar
-pieces within a single planar curve, such as the mouths of a duct, are left open. Curves inside the hull of the
-others are not touched.
+FILE#NAME), a DXF file (all its curves, or FILE#LAYER or FILE#HANDLE), or a table of points with columns x, y, z. The
+boundary of the convex hull of all curves consists of planar triangles and developable strips; planar pieces within a
+single planar curve, such as the mouths of a duct, are left open. Curves inside the hull of the others are not
+touched.
 
 Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html and
 report.json.

@@ -14,8 +14,8 @@ pub use error::QuadReadError;
 /// Most rulings of a file; beyond it the file is no strip.
 const MOST_RULINGS: usize = 1 << 18;
 
-/// Reads a strip. Rhino archives are told by what they hold, OBJ by the ending of `name`; `unit` is the length of one unit of the file in mm: where none
-/// is given, what headings say, else mm.
+/// Reads a strip. Rhino archives are told by what they hold, OBJ by the ending of `name`; `unit` is the length of one unit of the
+/// file in mm: where none is given, what headings say, else mm.
 ///
 /// Tables: one ruling per line as `ax, ay, az, bx, by, bz` (or `px` to `qz`); or one point per line as `x, y, z`, the two
 /// polylines separated by an empty line. Columns that the first line names may stand in any order among others; see

@@ -6,7 +6,7 @@ use crate::develop::refold::compare::samples;
 use crate::develop::refold::cut::{cut, Region};
 use crate::develop::refold::drawn::{FlatPart, ROUNDED};
 use crate::develop::refold::leaf::Leaf;
-use crate::geom::polygon::{bounds, corner_near, distance, inside};
+use crate::geom::polygon::{area, bounds, corner_near, distance, inside};
 use crate::geom::segment::same_segment;
 use crate::geom::Vec2;
 use crate::torse::ribbon::{Ribbon, Span};
@@ -89,14 +89,29 @@ fn each_once(
 fn in_one_plane(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<Share> {
     let (lo, hi) = bounds(&leaf.loops);
     let near = ON_RULING * (hi - lo).norm();
+    let panel_of = |loops: &[Vec<Vec2>]| {
+        let mut votes = vec![0usize; atlas.panels.len()];
+        let own = samples(&FlatPart { loops: loops.to_vec(), ..part.clone() });
+        for q in own.iter().filter(|q| inside(loops, q)) {
+            atlas.from_flat(q).into_iter().for_each(|on| votes[on.panel] += 1);
+        }
+        (0..votes.len()).max_by_key(|k| votes[*k]).unwrap_or(0)
+    };
+    // Edges of a bent zone are beside those of its panel by what tables are rounded to: what is between them is no share of the panel.
+    let is_hair = |loops: &[Vec<Vec2>]| {
+        let (lo, hi) = bounds(loops);
+        let own = whole_area(loops);
+        own <= ROUNDED * (hi - lo).norm() && own < HAIR * whole_area(&border(atlas, panel_of(loops)))
+    };
     let mut pieces = vec![leaf.loops.clone()];
     for edge in common_edges(&leaf.loops, near, atlas) {
         let halves = |loops: Vec<Vec<Vec2>>| {
             let runs_inside = |c: &[Vec2; 2]| is_inside(&loops, &(0.5 * (c[0] + c[1])), near);
             let chord = snapped(&loops, edge, near).filter(runs_inside);
-            match chord {
-                Some(chord) => cut(&loops, &[chord]).into_iter().map(|r| r.loops).collect(),
-                None => vec![loops],
+            let parts = chord.map(|chord| cut(&loops, &[chord]));
+            match parts {
+                Some(parts) if !parts.iter().any(|r| is_hair(&r.loops)) => parts.into_iter().map(|r| r.loops).collect(),
+                _ => vec![loops],
             }
         };
         pieces = pieces.into_iter().flat_map(halves).collect();
@@ -104,12 +119,7 @@ fn in_one_plane(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) ->
     let whole = pieces.len() == 1;
     let mut out: Vec<Share> = Vec::new();
     for loops in pieces {
-        let mut votes = vec![0usize; atlas.panels.len()];
-        let own = samples(&FlatPart { loops: loops.clone(), ..part.clone() });
-        for q in own.iter().filter(|q| inside(&loops, q)) {
-            atlas.from_flat(q).into_iter().for_each(|on| votes[on.panel] += 1);
-        }
-        let panel = (0..votes.len()).max_by_key(|k| votes[*k]).unwrap_or(0);
+        let panel = panel_of(&loops);
         match out.iter_mut().find(|s| s.panel == panel) {
             Some(share) => share.loops.extend(loops),
             None => out.push(Share { ribbon: ribbon.clone(), panel, loops }),
@@ -126,6 +136,25 @@ fn in_one_plane(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) ->
     out
 }
 
+/// Share of a panel below which a hair beside it is none of it.
+const HAIR: f64 = 0.5;
+
+/// Area within polygons, holes clockwise, mm².
+fn whole_area(loops: &[Vec<Vec2>]) -> f64 {
+    loops.iter().map(|l| area(l)).sum::<f64>().abs()
+}
+
+/// Place in the drawing of a place on a panel.
+fn flat(atlas: &Atlas, panel: usize, uv: &[f64; 2]) -> Vec2 {
+    atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 })
+}
+
+/// The border of a panel in the drawing.
+fn border(atlas: &Atlas, panel: usize) -> Vec<Vec<Vec2>> {
+    let loops = atlas.panels[panel].panel.loops.iter();
+    loops.map(|l| l.iter().map(|uv| flat(atlas, panel, uv)).collect()).collect()
+}
+
 /// Whether a place is inside polygons, and not on their border.
 fn is_inside(loops: &[Vec<Vec2>], q: &Vec2, near: f64) -> bool {
     inside(loops, q) && distance(loops, q) > near
@@ -134,14 +163,10 @@ fn is_inside(loops: &[Vec<Vec2>], q: &Vec2, near: f64) -> bool {
 /// Straight edges that panels have in common and that run through polygons, the longest first. Where a sharp bend takes up or lacks
 /// sheet, edges of neighbours are apart.
 fn common_edges(loops: &[Vec<Vec2>], near: f64, atlas: &Atlas) -> Vec<[Vec2; 2]> {
-    let flat = |panel: usize, uv: &[f64; 2]| atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 });
-    let border = |panel: usize| -> Vec<Vec<Vec2>> {
-        atlas.panels[panel].panel.loops.iter().map(|l| l.iter().map(|uv| flat(panel, uv)).collect()).collect()
-    };
-    let borders: Vec<Vec<Vec<Vec2>>> = (0..atlas.panels.len()).map(border).collect();
+    let borders: Vec<Vec<Vec<Vec2>>> = (0..atlas.panels.len()).map(|k| border(atlas, k)).collect();
     let mut out: Vec<[Vec2; 2]> = Vec::new();
     for (panel, placed) in atlas.panels.iter().enumerate() {
-        let corners: Vec<Vec2> = placed.panel.corners.iter().map(|uv| flat(panel, uv)).collect();
+        let corners: Vec<Vec2> = placed.panel.corners.iter().map(|uv| flat(atlas, panel, uv)).collect();
         for (p, q) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             let (edge, middle) = ([*p, *q], 0.5 * (p + q));
             let known = out.iter().any(|e| same_segment(e, &edge, near).is_some());
@@ -165,7 +190,7 @@ fn snapped(loops: &[Vec<Vec2>], chord: [Vec2; 2], near: f64) -> Option<[Vec2; 2]
 fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, panel): (&Atlas, usize)) -> Vec<Vec<Vec2>> {
     let (lo, hi) = bounds(&leaf.loops);
     let near = ON_RULING * (hi - lo).norm();
-    let corners = atlas.panels[panel].panel.corners.iter().map(|uv| atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 }));
+    let corners = atlas.panels[panel].panel.corners.iter().map(|uv| flat(atlas, panel, uv));
     let corners: Vec<Vec2> = corners.collect();
     let mut chords = Vec::new();
     let ends = [(range.start, range.start > 0), (range.end, range.end < ribbon.spans.len())];
