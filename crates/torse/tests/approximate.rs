@@ -330,12 +330,13 @@ fn what_is_developable_is_covered_and_proven_though_time_is_up() {
     assert!(certificate.certified && o.patchwork().panels.len() == 1, "{:?}", certificate.panels[0].reason);
 }
 
-/// Time that runs out at some moment: whatever was reached covers the whole face and has a bound.
+/// Time that runs out at some moment: whatever was reached covers the whole face and has a bound, which needs some time of
+/// its own.
 #[test]
 fn limited_time_gives_a_whole_cover_with_its_bound() {
     let model = read(TORUS).expect("a model");
     let limit = std::time::Instant::now() + Duration::from_secs(2);
-    let control = Control::default().until(limit);
+    let control = Control::default().until(limit).finishing_within(Duration::from_secs(6));
     let o = of_faces(model.faces, model.skipped, &options(0.002), &control).expect("an answer");
     assert!(
         o.certificate().expect("a certificate").covered
