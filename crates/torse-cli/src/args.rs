@@ -325,6 +325,7 @@ pub struct Drawing {
 
     /// Turn of the sheet from one bend line to the next, in degrees: 5deg
     #[arg(long, value_name = "ANGLE", default_value = "5deg", value_parser = bend_step, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "facets")]
     pub bend_step: f64,
 }
 

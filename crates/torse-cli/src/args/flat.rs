@@ -63,6 +63,7 @@ pub struct Unroll {
     /// Turn of the sheet from one bend line of a rolled face to the next, in degrees: 5deg. More are drawn where the part could not be
     /// bent back from these
     #[arg(long, value_name = "ANGLE", default_value = "5deg", value_parser = bend_step, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "facets")]
     pub bend_step: f64,
 
     /// Stop after this time, with its unit: 60s, 5min; bodies that were not begun are named and the rest is written

@@ -26,6 +26,7 @@ use crate::brep::recognised_surface::recognise;
 use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
+use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::part::FlatPart;
 use crate::develop::unfold::sheet::is_thickness;
 use crate::develop::unfold::tree::CutReason;
@@ -165,6 +166,10 @@ fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<UnrollNote> {
     let mut out = Vec::new();
     if parts.iter().any(|p| p.sheet.thickness > 0.0 && !p.sheet.bends.is_empty()) {
         out.push(UnrollNote::NeutralFibre(options.k.clone()));
+    }
+    let is_sided = options.sheet.as_ref().is_some_and(|s| s.side != SheetSide::Middle);
+    if is_sided && parts.iter().any(|p| p.sheet.thickness > 0.0) {
+        out.push(UnrollNote::SideOfBodies);
     }
     for p in parts {
         let part = || p.pattern.name.clone();

@@ -17,6 +17,8 @@ pub enum UnrollNote {
         /// Number of bends.
         bends: usize,
     },
+    /// A side of the sheet was asked for, but bodies of sheet have both.
+    SideOfBodies,
     /// Faces of a part of sheet where this is of another thickness.
     Thinned {
         /// Name of the part.

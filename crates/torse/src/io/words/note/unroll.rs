@@ -23,6 +23,9 @@ pub(super) fn words(note: &UnrollNote) -> String {
         UnrollNote::Sheet { part, thickness, bends } => {
             format!("{part}: sheet of {}, {}.", length(*thickness), counted(*bends, "bend"))
         }
+        UnrollNote::SideOfBodies => {
+            "--side is for surfaces: bodies of sheet have both sides in the file, and it changes nothing of them.".into()
+        }
         UnrollNote::Thinned { part, faces, of, local, thickness } => {
             thinned(part, [*faces, *of], [*local, *thickness].map(length))
         }
