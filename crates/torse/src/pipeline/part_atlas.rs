@@ -13,7 +13,6 @@ use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, S
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{one_family, sheet, RefoldError};
 use crate::develop::unfold::allowance::KFactor;
-use crate::geom::polygon::corner_near;
 use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
 use crate::io::model::ReadOptions;
@@ -26,10 +25,16 @@ use strips::{panel_of, plain};
 /// The part as its drawing and its table have it: `exact` takes the unrounded numbers of the report where they are there.
 pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     let joints: Vec<Vec<_>> = part.contours.iter().map(|c| c.iter().map(|j| j.0).collect()).collect();
-    let whole = FlatPart { loops: joints.clone(), ..FlatPart::default() };
-    let size = whole.size();
+    let size = FlatPart { loops: joints.clone(), ..FlatPart::default() }.size();
+    let outline = FlatPart {
+        loops: part.contours.iter().map(|c| polygon(c, size)).collect(),
+        chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
+        joints,
+        printed: part.printed,
+        ..FlatPart::default()
+    };
     // What ends in a corner ends in it to the bit: rulings that meet there would cross beside it where a drawing is rounded.
-    let settled = |ends: &[Vec2; 2]| ends.map(|q| corner_near(&joints, q, ROUNDED));
+    let settled = |ends: &[Vec2; 2]| ends.map(|q| outline.joint_meant(&q, ROUNDED).unwrap_or(q));
     let numbers = part.exact.as_ref().filter(|_| exact);
     let fibre = fibre(part);
     let line = |(k, (ends, row)): (usize, &([_; 2], crate::io::result_folder::TableLine))| BendLine {
@@ -47,18 +52,17 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     };
     // Sheet metal has its lines from edge to edge, panels a little less.
     let inset = if part.bends.is_empty() { part.record.contour_error.unwrap_or(0.0) } else { 0.0 };
+    let (lines, extents) =
+        (part.lines.iter().enumerate().map(line).collect(), part.extents.iter().map(settled).collect());
     FlatPart {
-        loops: part.contours.iter().map(|c| polygon(c, size)).collect(),
-        lines: part.lines.iter().enumerate().map(line).collect(),
+        lines,
         bends: part.bends.iter().map(bend).collect(),
-        extents: part.extents.iter().map(settled).collect(),
+        extents,
         inset,
         thickness: thickness(part),
         local: part.record.neutral.as_ref().map_or_else(Vec::new, |n| n.thickness.clone()),
         fibre,
-        printed: part.printed,
-        chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
-        joints,
+        ..outline
     }
 }
 

@@ -74,6 +74,8 @@ const LONG_TURN: f64 = 1.0;
 /// than this, mm.
 pub(crate) const ROUNDED: f64 = 2e-3;
 
+/// Places of a drawing that are one to all its digits are no farther apart than this, mm.
+const DIGITS: f64 = 1e-6;
 /// Share of the size within which both sides of a slit are one line: far above what files print, far below any cut.
 const SLIT: f64 = 1e-7;
 
@@ -120,6 +122,22 @@ pub(crate) fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
 }
 
 impl FlatPart {
+    /// The joint of the outlines that a place is meant to be: at most `near` (mm) off if the drawing is rounded, else the same to all digits.
+    /// Sides may be a hair long, as before the tip of a fan, which rulings from their ends would miss.
+    pub(crate) fn joint_meant(&self, q: &Vec2, near: f64) -> Option<Vec2> {
+        let off = |c: &Vec2| (c - q).norm();
+        let joint = self.joints.iter().flatten().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let near = if self.is_rounded() { near } else { DIGITS };
+        (off(joint) <= near).then_some(*joint)
+    }
+
+    /// Whether all joints are written with few decimals: at most one more than its tables.
+    fn is_rounded(&self) -> bool {
+        let digit = 0.1 * self.printed;
+        let is_short = |x: &f64| digit == 0.0 || (x - (x / digit).round() * digit).abs() <= DIGITS;
+        self.joints.iter().flatten().flat_map(|c| c.iter()).all(is_short)
+    }
+
     /// Diagonal of the box around the part, mm.
     pub fn size(&self) -> f64 {
         let (lo, hi) = bounds(&self.loops);

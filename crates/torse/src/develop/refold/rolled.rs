@@ -132,7 +132,7 @@ fn ends(part: &FlatPart) -> Vec<Chord> {
 /// The nearest place of an outline; a corner if one is near.
 fn on_outline(part: &FlatPart, q: &Vec2, near: f64) -> Vec2 {
     let closer = |a: &Vec2, b: &Vec2| (a - q).norm().total_cmp(&(b - q).norm());
-    let corner = part.loops.iter().flatten().copied().min_by(closer).filter(|c| (c - q).norm() <= near);
+    let corner = part.joint_meant(q, near);
     corner.or_else(|| sides(&part.loops).map(|(a, b)| foot(&a, &b, q)).min_by(closer)).unwrap_or(*q)
 }
 
