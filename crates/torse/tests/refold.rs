@@ -198,6 +198,30 @@ fn fans_that_begin_a_hair_before_their_tips_are_laid_flat_again() {
     assert_eq!(back.status(), Status::Certified, "{:?}", back.report());
 }
 
+/// A plane whose parameters run unevenly: what is proven is what is measured, and no part of the tolerance.
+#[test]
+fn a_plane_of_uneven_parameters_is_proven_by_lengths() {
+    let knots = || Knots::clamped(2, &[0.0, 0.3, 1.0]).expect("knots");
+    let steps = [0.0, 30.0, 500.0, 800.0];
+    let at = |x: f64, y: f64| Vec3::new(x + 0.2 * y, y - 0.1 * x, 0.5 * x + 0.2 * y);
+    let points: Vec<Vec3> = steps.iter().flat_map(|x| steps.map(|y| at(*x, y))).collect();
+    let plate = Face::untrimmed(Surface::new(knots(), knots(), &points, None).expect("a surface"));
+    let model = torse::Model {
+        faces: vec![plate],
+        skipped: Vec::new(),
+        notes: Vec::new(),
+        unit: String::new(),
+        products: Vec::new(),
+        curves: Vec::new(),
+    };
+    let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01) };
+    let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a flat part");
+    let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let back = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
+    let bound = back.report().parts[0].distance_bound.expect("a bound");
+    assert!(bound < 1e-6, "{bound:e}");
+}
+
 /// A quarter of a cone and a plane that meets it in a sharp bend along its first ruling: the bend lies on the edge of what is
 /// rolled, and is no line of it. Normals of both may look to one side of the sheet or not.
 #[test]

@@ -22,8 +22,11 @@
 //!
 //! How lines, places and borders are matched does not matter for the proof: any numbers will do, near ones make D small.
 
+mod judged_panel;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use judged_panel::JudgedPanel;
 
 use super::claim::UpperBound;
 use super::simple::polygons_are_simple;
@@ -33,7 +36,6 @@ use crate::control::Control;
 use crate::geom::{Vec2, Vec3};
 use crate::num::interval::Interval;
 use crate::num::parallel;
-use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::Span;
 use rayon::prelude::*;
@@ -80,10 +82,8 @@ pub(crate) struct Stretch<'a> {
     pub places: Vec<Along>,
     /// Closed lines with the number of the border that belongs to each.
     pub lines: Vec<(usize, Vec<SpanChord>)>,
-    /// The patch.
-    pub surface: &'a Surface,
-    /// Closed polygons of its parameters that bound the panel.
-    pub borders: &'a [Vec<[f64; 2]>],
+    /// The panel, by whose parameters places are told.
+    pub panel: &'a JudgedPanel<'a>,
     /// Distance (mm) of what pieces are drawn for from the lines and arcs of the file, by the closed form of arcs.
     pub chords: f64,
 }
@@ -140,7 +140,7 @@ pub(crate) fn distance(stretch: &Stretch, control: &Control) -> Result<UpperBoun
     let pieces: Vec<(usize, &SpanChord)> =
         stretch.lines.iter().flat_map(|(b, l)| l.iter().map(move |p| (*b, p))).collect();
     let of = |(border, piece): (usize, &SpanChord), bent: f64, n: usize| {
-        sum(&[bent, judge.to_border(piece, &stretch.borders[border], n * n), judge.to_drawing(piece)])
+        sum(&[bent, judge.to_border(piece, &stretch.panel.borders()[border], n * n), judge.to_drawing(piece)])
     };
     let mut whole: Vec<f64> = parallel::map(pieces.iter(), |p| of(*p, bent[p.1.span], 1));
     for k in falling(&whole) {
@@ -153,7 +153,7 @@ pub(crate) fn distance(stretch: &Stretch, control: &Control) -> Result<UpperBoun
         worst = whole[k].max(worst);
     }
     worst = whole.iter().copied().fold(worst, worse);
-    let bound = UpperBound::shown(sum(&[worst, judge.gap, stretch.chords]));
+    let bound = UpperBound::shown(sum(&[worst, judge.gap, stretch.chords, stretch.panel.off().value()]));
     // Any infinite or undefined term shows nothing.
     if bound.value().is_finite() {
         Ok(bound)
@@ -230,10 +230,10 @@ impl<'a> Judge<'a> {
         }
         let far = |s: &Span| s.space.at.amax().max(s.flat.at.amax()) + s.in_space.along.hypot(s.in_space.across);
         let ways = reach.iter().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let patch = asked.surface.control.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let patch = asked.panel.surface().control.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
         let rough = ROUNDING * (asked.spans.iter().map(far).fold(0.0, f64::max) + ways + patch);
         let origin = asked.spans[n / 2].space.at;
-        let surface = asked.surface;
+        let surface = asked.panel.surface();
         let control = about(&surface.control, [origin.x, origin.y, origin.z]);
         let tensor = Tensor::new([&surface.knots_u, &surface.knots_v], control);
         let mut out = Self { asked, tensor, origin, reach, sides, rough, gap: 0.0 };
@@ -257,12 +257,12 @@ impl<'a> Judge<'a> {
 
     /// Lines are closed, and run once around the border that belongs to each.
     fn check_lines(&self) -> Result<(), Unshown> {
-        let mut used = vec![false; self.asked.borders.len()];
+        let mut used = vec![false; self.asked.panel.borders().len()];
         let mut sense = None;
         for (border, line) in &self.asked.lines {
             let fresh = used.get_mut(*border).filter(|u| !**u).ok_or(Unshown::Lines)?;
             *fresh = true;
-            let corners = self.asked.borders[*border].len() as f64;
+            let corners = self.asked.panel.borders()[*border].len() as f64;
             let (Some(first), Some(last)) = (line.first(), line.last()) else { return Err(Unshown::Lines) };
             let around = (last.border[1] - first.border[0]).abs();
             let follows = |a: &SpanChord, b: &SpanChord, turn: f64| {

@@ -6,10 +6,13 @@
 //! strip runs over several panels, the outline of each is closed along the ruling between them. Borders of panels are
 //! matched by their nearest places.
 
+mod matched;
+mod seat;
 mod shares;
+mod tip;
 
 use crate::certify::claim::UpperBound;
-use crate::certify::refolded::{distance, Along, SpanChord, Stretch, Unshown};
+use crate::certify::refolded::{distance, Along, JudgedPanel, SpanChord, Stretch, Unshown};
 use crate::control::Control;
 use crate::develop::refold::atlas::{Atlas, OnPanel, PlacedPanel};
 use crate::develop::refold::drawn::FlatPart;
@@ -17,12 +20,13 @@ use crate::develop::refold::leaf::{Leaf, Refolded};
 use crate::geom::placement::Placement;
 use crate::geom::Vec2;
 use crate::num::parallel;
-use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::{Ribbon, Span, Spot};
-use nalgebra::Matrix2;
+use matched::{beside, nearest, Metric};
+use seat::{creases, places, Seat, Straight, BEYOND, NOTHING, SAME};
 use shares::{shares, Share, ON_RULING};
+use tip::Tip;
 
 /// Turn (rad) over a span that is judged at most.
 const FINE: f64 = 4e-3;
@@ -30,10 +34,6 @@ const FINE: f64 = 4e-3;
 const NEAR: f64 = 1e-6;
 /// Times by which they are finer at most.
 const FINER: f64 = 4.0;
-/// How far (in spans) an outline may lie beyond the rulings that were laid: rounding of tables.
-const BEYOND: f64 = 1e-3;
-/// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
-const SHORT: f64 = 1e-3;
 
 /// Why a part bent back was not compared with its panels, or no bound was shown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -167,57 +167,6 @@ const APART: f64 = 1e-3;
 /// Parts of one span at most.
 const MOST_OF_SPAN: f64 = 4096.0;
 
-/// The tip of a cone in the plane, where rulings have no places: outlines go around it.
-struct Tip {
-    at: Vec2,
-    /// How far from it they keep, mm.
-    around: f64,
-}
-
-impl Tip {
-    /// Where all rulings of a part on a panel meet, if they do so at an end of the panel.
-    fn of(size: f64, ribbon: &Ribbon, atlas: &Atlas, panel: usize) -> Option<Self> {
-        let meet = |s: &Span| {
-            let (pose, rates) = (&s.flat, &s.in_plane);
-            pose.at.xy() - pose.ruling().xy() * (rates.across / rates.spin)
-        };
-        let at = meet(ribbon.spans.get(ribbon.spans.len() / 2)?);
-        // Rulings that are parallel meet nowhere.
-        let farther = |most: f64, off: f64| if off.is_nan() { f64::INFINITY } else { most.max(off) };
-        let apart = ribbon.spans.iter().map(|s| (meet(s) - at).norm()).fold(0.0, farther);
-        let corners = atlas.panels[panel].panel.loops.iter().flatten();
-        // Panels end a hair before their tips.
-        let hair = corners.map(|uv| (atlas.flat(&OnPanel { panel, uv: *uv, off: 0.0 }) - at).norm());
-        let around = (ROOM * hair.fold(f64::INFINITY, f64::min)).max(ONE_POINT * size).max(2.0 * apart);
-        (apart <= NEARLY_ONE_POINT * size && around < SHORT * size).then_some(Self { at, around })
-    }
-
-    /// Way along the ruling at a place to the tip.
-    fn on(&self, ribbon: &Ribbon, t: f64) -> f64 {
-        let pose = ribbon.flat(t);
-        (self.at - pose.at.xy()).dot(&pose.ruling().xy())
-    }
-
-    /// The corners of a polygon from the first one behind the tip to the last one before it, and those between these beside the
-    /// tip; `None` where there are not one run of each.
-    fn split(&self, polygon: &[Vec2]) -> Option<(Vec<Vec2>, Vec<Vec2>)> {
-        let near = |q: &Vec2| (q - self.at).norm() <= self.around;
-        let n = polygon.len();
-        let first = (0..n).find(|&k| near(&polygon[(k + n - 1) % n]) && !near(&polygon[k]))?;
-        let turned: Vec<Vec2> = (0..n).map(|k| polygon[(first + k) % n]).collect();
-        let count = turned.iter().take_while(|q| !near(q)).count();
-        turned[count..].iter().all(near).then(|| (turned[..count].to_vec(), turned[count..].to_vec()))
-    }
-}
-
-/// Share of the size of a part within which rulings that were laid meet in one point, which is known to what lines of files are.
-const NEARLY_ONE_POINT: f64 = 1e-5;
-/// Least way around it, as a share of the size; twice what rulings miss it by, if that is more.
-const ONE_POINT: f64 = 1e-6;
-/// Way around a tip, in lengths of what a panel leaves of it: that the line goes around it counts once as distance from the outline, and
-/// what it is farther off than the panel as distance from its border.
-const ROOM: f64 = 1.1;
-
 /// A place on a ribbon, and on the drawing.
 type Seen = (f64, f64, Vec2);
 
@@ -345,9 +294,6 @@ fn reaching(ribbon: Ribbon, loops: &[Vec<Vec2>], most: f64) -> Ribbon {
     Ribbon { spans }
 }
 
-/// Shares of a span that are one place.
-const SAME: f64 = 1e-9;
-
 /// The rulings no farther than the part reaches: its bend lines tell of rulings beyond, which are on no panel.
 fn ended(ribbon: Ribbon, lines: &mut [Vec<SpanChord>]) -> Ribbon {
     let all = || lines.iter().flatten();
@@ -379,15 +325,6 @@ const UNEVEN: f64 = 5e-6;
 /// Parts of a span, and pieces of a side between two rulings, at most.
 const MOST_PARTS: f64 = 64.0;
 
-/// Whether rulings of a part are straight in the parameters of their panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Straight {
-    /// They are taken for straight.
-    Taken,
-    /// They are not where rulings of the panel lie across them.
-    Not,
-}
-
 /// Rulings with what is on them of the part, and where they are on their panel.
 struct Seated {
     ribbon: Ribbon,
@@ -399,14 +336,14 @@ impl Seated {
     fn new(
         ribbon: Ribbon,
         (loops, size): (&[Vec<Vec2>], f64),
-        (atlas, panel): (&Atlas, usize),
+        seat: &Seat,
         straight: Straight,
     ) -> Result<Self, NotRefolded> {
-        let tip = Tip::of(size, &ribbon, atlas, panel);
+        let tip = Tip::of(size, &ribbon, seat.atlas, seat.panel);
         let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
         let mut lines = lines.ok_or(NotRefolded::Beyond)?;
         let ribbon = ended(ribbon, &mut lines);
-        let places = places(&ribbon.spans, &lines, (atlas, panel), (tip.as_ref(), straight));
+        let places = places(&ribbon.spans, &lines, seat, (tip.as_ref(), straight));
         Ok(Self { ribbon, lines, places })
     }
 
@@ -433,38 +370,49 @@ impl Seated {
     }
 }
 
-/// Judges the spans of one panel; where places on it fold that are quadratic along rulings, with linear ones.
-fn assessed(part: &FlatPart, share: Share, given: (&Atlas, &Control)) -> Result<UpperBound, NotRefolded> {
-    match assessed_as(part, share.clone(), given, Straight::Not) {
-        Err(NotRefolded::Unshown(Unshown::Folds)) => assessed_as(part, share, given, Straight::Taken),
+/// Judges the spans of one panel: in its plane where it is plane, else by its parameters; where places on it fold that are quadratic
+/// along rulings, with linear ones.
+fn assessed(part: &FlatPart, share: Share, (atlas, control): (&Atlas, &Control)) -> Result<UpperBound, NotRefolded> {
+    let panel = &atlas.panels[share.panel].panel;
+    let judge = |judged: &JudgedPanel, straight: Straight| {
+        let seat = Seat::new(atlas, share.panel, judged);
+        assessed_as(part, share.clone(), (&seat, control), straight)
+    };
+    let in_plane = JudgedPanel::in_plane(&panel.surface, &panel.loops);
+    if let Some(found) = in_plane.and_then(|judged| judge(&judged, Straight::Taken).ok()) {
+        return Ok(found);
+    }
+    let judged = JudgedPanel::by_parameters(&panel.surface, &panel.loops);
+    match judge(&judged, Straight::Not) {
+        Err(NotRefolded::Unshown(Unshown::Folds)) => judge(&judged, Straight::Taken),
         found => found,
     }
 }
 
 fn assessed_as(
     part: &FlatPart,
-    Share { ribbon, panel, loops }: Share,
-    (atlas, control): (&Atlas, &Control),
+    Share { ribbon, loops, .. }: Share,
+    (seat, control): (&Seat, &Control),
     straight: Straight,
 ) -> Result<UpperBound, NotRefolded> {
     let size = part.size();
+    let surface = seat.judged.surface();
     let ribbon = reaching(ribbon, &loops, REACHES * size);
-    let mut seated = Seated::new(ribbon, (&loops, size), (atlas, panel), straight)?;
-    let parts = seated.parts(&atlas.panels[panel].panel.surface, UNEVEN * size);
+    let mut seated = Seated::new(ribbon, (&loops, size), seat, straight)?;
+    let parts = seated.parts(surface, UNEVEN * size);
     if parts.iter().any(|n| *n > 1) && !control.stopped() {
-        seated = Seated::new(seated.ribbon.parted(&parts), (&loops, size), (atlas, panel), straight)?;
+        seated = Seated::new(seated.ribbon.parted(&parts), (&loops, size), seat, straight)?;
     }
     let Seated { ribbon, lines, places } = seated;
     let spans = &ribbon.spans[..];
-    let panel = &atlas.panels[panel].panel;
     let on_patch = |p: &SpanChord, [s, v]: [f64; 2]| {
         let [a, b] = [0, 1].map(|k: usize| places[p.span + k].place(v));
         let of = |d: usize| (1.0 - s) * a[d] + s * b[d];
         Vec2::new(of(0), of(1))
     };
     let polygon = |l: &Vec<[f64; 2]>| l.iter().map(|p| Vec2::new(p[0], p[1])).collect();
-    let borders: Vec<Vec<Vec2>> = panel.loops.iter().map(polygon).collect();
-    let metric = Metric::of(&panel.surface);
+    let borders: Vec<Vec<Vec2>> = seat.judged.borders().iter().map(polygon).collect();
+    let metric = Metric::of(surface);
     let mut matched = Vec::new();
     for line in lines {
         let first = on_patch(&line[0], line[0].ends[0]);
@@ -476,206 +424,5 @@ fn assessed_as(
     if control.stopped() {
         return Err(NotRefolded::Stopped);
     }
-    let (surface, borders, chords) = (&panel.surface, &panel.loops[..], part.chords);
-    Ok(distance(&Stretch { spans, places, lines: matched, surface, borders, chords }, control)?)
-}
-
-/// Share of a piece within which a corner of the border is at its end.
-const AT_END: f64 = 1e-6;
-
-/// Lengths on a patch.
-struct Metric<'a> {
-    surface: &'a Surface,
-    /// In the middle of the patch.
-    even: Matrix2<f64>,
-}
-
-/// Share of the lengths in the middle of a patch that count everywhere: at a tip all rulings are one point.
-const EVEN: f64 = 1e-6;
-
-impl<'a> Metric<'a> {
-    fn of(surface: &'a Surface) -> Self {
-        let ((u0, u1), (v0, v1)) = surface.domain();
-        Self { surface, even: first_form(surface, &Vec2::new(0.5 * (u0 + u1), 0.5 * (v0 + v1))) }
-    }
-
-    /// The square of a length about a place, as a form in the parameters.
-    fn at(&self, uv: &Vec2) -> Matrix2<f64> {
-        first_form(self.surface, uv) + self.even * EVEN
-    }
-}
-
-/// Scalar products of both derivatives of a patch.
-fn first_form(surface: &Surface, uv: &Vec2) -> Matrix2<f64> {
-    let jet = surface.jet(uv.x, uv.y);
-    let mixed = jet.du.dot(&jet.dv);
-    Matrix2::new(jet.du.norm_squared(), mixed, mixed, jet.dv.norm_squared())
-}
-
-/// A closed line with its places on the border of its panel, a polygon: cut where the border turns, because sides of the border
-/// are as long as they are, and pieces that went around a corner would be compared with the wrong side of it.
-fn beside(
-    line: Vec<SpanChord>,
-    border: &[Vec2],
-    metric: &Metric,
-    on_patch: &(impl Fn(&SpanChord, [f64; 2]) -> Vec2 + Sync),
-) -> Vec<SpanChord> {
-    let (n, corners) = (line.len(), border.len() as f64);
-    let place = |q: Vec2| nearest(border, &q, &metric.at(&q)).0;
-    let mut at = vec![place(on_patch(&line[0], line[0].ends[0]))];
-    let behind: Vec<f64> = parallel::map(line.iter(), |p| place(on_patch(p, p.ends[1])));
-    for here in behind {
-        let last = at[at.len() - 1];
-        // The shorter way.
-        let step = (here - last).rem_euclid(corners);
-        at.push(last + if step > 0.5 * corners { step - corners } else { step });
-    }
-    let share = |p: &SpanChord, corner: f64| {
-        let [a, b] = p.ends.map(|e| on_patch(p, e));
-        let x = border[(corner as i64).rem_euclid(border.len() as i64) as usize];
-        let way = metric.at(&a) * (b - a);
-        way.dot(&(x - a)) / way.dot(&(b - a))
-    };
-    // Corners between the places of both ends, in the direction of the piece.
-    let between = |a: f64, b: f64| {
-        let mut all: Vec<f64> =
-            (a.min(b).floor() as i64 + 1..).map(|k| k as f64).take_while(|x| *x < a.max(b)).collect();
-        if b < a {
-            all.reverse();
-        }
-        all
-    };
-    for (k, p) in line.iter().enumerate() {
-        for c in between(at[k], at[k + 1]) {
-            let x = share(p, c);
-            if x <= AT_END {
-                // The first place is the last one too.
-                if k == 0 {
-                    at[n] += c - at[0];
-                }
-                at[k] = c;
-            } else if x >= 1.0 - AT_END {
-                if k + 1 == n {
-                    at[0] += c - at[n];
-                }
-                at[k + 1] = c;
-                break;
-            }
-        }
-    }
-    let mut out = Vec::with_capacity(n);
-    for (k, p) in line.into_iter().enumerate() {
-        let mut rest = SpanChord { border: [at[k], at[k + 1]], ..p };
-        let mut done = 0.0;
-        for c in between(at[k], at[k + 1]) {
-            let x = share(&p, c);
-            if !(x > done + AT_END && x < 1.0 - AT_END) {
-                continue;
-            }
-            let part = |a: f64, b: f64| a + (b - a) * (x - done) / (1.0 - done);
-            let [[s, v], [t, w]] = rest.ends;
-            let place = [part(s, t), part(v, w)];
-            let drawn = rest.drawn.map(|[a, b]| (a, a + (b - a) * ((x - done) / (1.0 - done)), b));
-            out.push(SpanChord {
-                ends: [rest.ends[0], place],
-                border: [rest.border[0], c],
-                drawn: drawn.map(|(a, m, _)| [a, m]),
-                ..rest
-            });
-            rest = SpanChord {
-                ends: [place, rest.ends[1]],
-                border: [c, rest.border[1]],
-                drawn: drawn.map(|(_, m, b)| [m, b]),
-                ..rest
-            };
-            done = x;
-        }
-        out.push(rest);
-    }
-    out
-}
-
-/// Place on a closed polygon nearest to a point (number of a corner and share of the way to the next), and its distance, with
-/// lengths as they are about the point.
-fn nearest(polygon: &[Vec2], q: &Vec2, metric: &Matrix2<f64>) -> (f64, f64) {
-    let mut best = (0.0, f64::INFINITY);
-    for (k, p) in polygon.iter().enumerate() {
-        let d = polygon[(k + 1) % polygon.len()] - p;
-        let way = metric * d;
-        let share = way.dot(&(q - p)) / way.dot(&d);
-        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-        let away = q - p - d * share;
-        let off = (metric * away).dot(&away);
-        if off < best.1 {
-            best = (k as f64 + share, off);
-        }
-    }
-    (best.0, best.1.max(0.0).sqrt())
-}
-
-/// Inner parameters at which a patch is less than C¹, and how near to one is on it.
-fn creases(knots: &Knots) -> Vec<(f64, f64)> {
-    let (first, last) = knots.domain();
-    let inner = knots.distinct().into_iter().filter(|(t, m)| *m >= knots.degree() && *t > first && *t < last);
-    inner.map(|(t, _)| (t, SAME * (last - first))).collect()
-}
-
-/// No stretch of a ruling.
-const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
-
-/// Where the rulings of spans are on their panel: by the flat image of two of their points, and of the one between them.
-fn places(
-    spans: &[Span],
-    lines: &[Vec<SpanChord>],
-    (atlas, panel): (&Atlas, usize),
-    (tip, along): (Option<&Tip>, Straight),
-) -> Vec<Along> {
-    let n = spans.len();
-    let (mut reach, mut beside) = (vec![NOTHING; n + 1], vec![NOTHING; n + 1]);
-    for p in lines.iter().flatten() {
-        // A plane is one wide span: what the part has on its first and last ruling is all that is surely on the panel.
-        let plane = spans[p.span].in_space.turn == 0.0;
-        for (end, k) in [p.span, p.span + 1].into_iter().enumerate() {
-            for e in &p.ends {
-                let on = !plane || (e[0] - end as f64).abs() <= BEYOND;
-                for all in [&mut beside].into_iter().chain(on.then_some(&mut reach)) {
-                    all[k] = [all[k][0].min(e[1]), all[k][1].max(e[1])];
-                }
-            }
-        }
-    }
-    // Where the part ends before a ruling, what is beside that.
-    for (own, beside) in reach.iter_mut().zip(beside).filter(|(own, _)| own[0] > own[1]) {
-        *own = beside;
-    }
-    let ways = || lines.iter().flatten().flat_map(|p| p.ends).map(|e| e[1]);
-    let size = ways().fold(f64::NEG_INFINITY, f64::max) - ways().fold(f64::INFINITY, f64::min);
-    let creases = creases(&atlas.panels[panel].panel.surface.knots_u);
-    let place = |k: usize| {
-        let pose = if k < n { spans[k].flat } else { spans[n - 1].flat.moved(&spans[n - 1].in_plane, 1.0) };
-        let [mut a, mut b] = reach[k];
-        if b.is_nan() || a.is_nan() || b - a < SHORT * size {
-            let middle = if a.is_finite() { 0.5 * (a + b) } else { 0.0 };
-            (a, b) = (middle - 0.5 * SHORT * size, middle + 0.5 * SHORT * size);
-        }
-        // Beside a tip the least shift of the drawing is another ruling.
-        let beside_tip = tip.map(|tip| (tip.at - pose.at.xy()).dot(&pose.ruling().xy()));
-        if let Some(t) = beside_tip {
-            let far = if (a - t).abs() > (b - t).abs() { a } else { b };
-            (a, b) = (far, 0.5 * (far + t));
-        }
-        let middle = 0.5 * (a + b);
-        let [p, m, q] = [a, middle, b].map(|v| atlas.on_panel(panel, &pose.point(v, 0.0).xy()));
-        // What is on a crease but for rounding must not cross it.
-        let crease = creases.iter().find(|(t, hair)| (p[0] - t).abs() <= *hair && (q[0] - t).abs() <= *hair);
-        let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
-        let rest = |d: usize| 4.0 * (0.5 * (p[d] + q[d]) - m[d]) / ((b - a) * (b - a));
-        let bend = if along == Straight::Not && beside_tip.is_none() { [0, 1].map(rest) } else { [0.0; 2] };
-        // Through the places at both ends and in the middle.
-        let slope = [0, 1].map(|d: usize| slope[d] - bend[d] * (a + b));
-        let found = Along { at: [0, 1].map(|d: usize| p[d] - (slope[d] + bend[d] * a) * a), slope, bend };
-        let on_crease = |t: f64| Along { at: [t, found.at[1]], slope: [0.0, slope[1]], bend: [0.0, found.bend[1]] };
-        crease.map_or(found, |(t, _)| on_crease(*t))
-    };
-    parallel::map(0..=n, place)
+    Ok(distance(&Stretch { spans, places, lines: matched, panel: seat.judged, chords: part.chords }, control)?)
 }

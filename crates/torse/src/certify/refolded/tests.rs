@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
 use crate::torse::ribbon::pose::Rates;
 
 const RADIUS: f64 = 100.0;
@@ -96,8 +97,13 @@ fn bound(n: usize, radius: f64, change: impl Fn(&mut Vec<Span>, &mut Vec<SpanCho
     let (mut spans, places, mut line) = strip(n, radius);
     change(&mut spans, &mut line);
     let (surface, borders) = (patch(), [BORDER.to_vec()]);
-    let stretch =
-        Stretch { spans: &spans, places, lines: vec![(0, line)], surface: &surface, borders: &borders, chords: 0.0 };
+    let stretch = Stretch {
+        spans: &spans,
+        places,
+        lines: vec![(0, line)],
+        panel: &JudgedPanel::by_parameters(&surface, &borders),
+        chords: 0.0,
+    };
     distance(&stretch, &Control::default()).map(UpperBound::value)
 }
 
@@ -114,7 +120,8 @@ fn bounds_are_the_same_on_any_number_of_threads_and_stop_when_asked() {
     let (spans, places, line) = strip(20, 1.01 * RADIUS);
     let (surface, borders) = (patch(), [BORDER.to_vec()]);
     let lines = vec![(0, line)];
-    let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+    let stretch =
+        Stretch { spans: &spans, places, lines, panel: &JudgedPanel::by_parameters(&surface, &borders), chords: 0.0 };
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| distance(&stretch, &Control::default())).map(|b| b.value().to_bits())
@@ -130,7 +137,8 @@ fn what_enclosures_leave_falls_with_the_parts() {
     let (spans, places, line) = strip(3, RADIUS);
     let (surface, borders) = (patch(), [BORDER.to_vec()]);
     let lines = vec![(0, line)];
-    let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+    let stretch =
+        Stretch { spans: &spans, places, lines, panel: &JudgedPanel::by_parameters(&surface, &borders), chords: 0.0 };
     let judge = Judge::new(&stretch).expect("a judge");
     let [coarse, fine] = [1, 8].map(|n| judge.span(1, n));
     // The greatest distance at places of the span.
@@ -163,7 +171,13 @@ fn rulings_across_those_of_the_panel_are_followed() {
     let found = [false, true].map(|curved| {
         let places = [from, from + step].map(|x| ruling(x, curved)).to_vec();
         let lines = vec![(0, (0..4).map(piece).collect())];
-        let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+        let stretch = Stretch {
+            spans: &spans,
+            places,
+            lines,
+            panel: &JudgedPanel::by_parameters(&surface, &borders),
+            chords: 0.0,
+        };
         let judge = Judge::new(&stretch).expect("a judge");
         assert!(judge.orientation(0, [-HEIGHT, 0.0]).is_some());
         let seen = (0..=20).map(|i| judge.corner(0, 0.5, -HEIGHT * f64::from(i) / 20.0)).fold(0.0, f64::max);
@@ -183,7 +197,8 @@ fn beyond_the_part_nothing_is_asked() {
     let [a, b, c] = [[0.0, 0.0], [1.0, -HEIGHT], [0.0, -HEIGHT]];
     let lines = vec![(0, vec![piece([a, b]), piece([b, c]), piece([c, a])])];
     let (surface, borders) = (patch(), [BORDER.to_vec()]);
-    let stretch = Stretch { spans: &spans, places, lines, surface: &surface, borders: &borders, chords: 0.0 };
+    let stretch =
+        Stretch { spans: &spans, places, lines, panel: &JudgedPanel::by_parameters(&surface, &borders), chords: 0.0 };
     let judge = Judge::new(&stretch).expect("a judge");
     let near = |found: Option<[f64; 2]>, wanted: [f64; 2]| {
         found.is_some_and(|f| f.iter().zip(wanted).all(|(x, y)| (x - y).abs() < 1e-6))
