@@ -5,7 +5,7 @@ use super::cover::Limits;
 use super::face::{Covered, Met};
 use super::joint::Meeting;
 use super::stitch::across::{met_across, Across, Beside};
-use super::stitch::attempts::met_together;
+use super::stitch::faces_together::met_together;
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::parallel;

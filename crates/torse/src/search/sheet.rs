@@ -119,9 +119,9 @@ pub(super) fn parted(task: &Task, (cover, built): (&Cover, &Built), planes: &[Se
         parts = counts.more(&parts, &large)?;
     }
     for _ in 0..ROUNDS {
-        parts = wholes.settled(&parts);
-        parts = parts.with_smooth_borders(task.whole, |labels| wholes.is_cut(&parts, labels));
-        let joined = Joined { edges: &wholes.edges(&parts), known: &known };
+        parts = wholes.in_parts(&parts).settled();
+        parts = parts.with_smooth_borders(task.whole, |labels| wholes.in_parts(&parts).is_cut(labels));
+        let joined = Joined { edges: &wholes.in_parts(&parts).edges(), known: &known };
         let (next, refused) = build_on(task.index, &parts, (task.whole, task.control), joined);
         if !refused.is_empty() || task.control.stopped() || next.patchwork.panels.len() > task.options.max_panels {
             return None;

@@ -18,6 +18,11 @@ pub(crate) struct SharedSeam {
     pub parameters: Vec<f64>,
 }
 
+/// Labels of two neighbours, in order.
+pub(crate) fn pair([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// Moves the vertices of borders to places given by border, vertex, and for whether its parameters must stay: vertices on
 /// knot lines move along these, ends on a trimming curve only where that runs along a parameter line, and along it. Where
 /// triangles would turn over, the vertices around are moved out of the way; vertices for which that is not enough stay too,
@@ -125,6 +130,25 @@ pub(crate) fn kept(patchwork: &Patchwork, borders: &Borders) -> Vec<SharedSeam> 
         Some(SharedSeam { chain: c.chain, labels: c.labels, edge, parameters })
     };
     borders.seam_chains().into_iter().filter_map(same).collect()
+}
+
+/// Labels on both sides of edges that end in one vertex of the borders, but in different points.
+pub(crate) fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
+    let chains = borders.seam_chains();
+    // By vertex: the point, bit by bit, and the labels.
+    type End = ([u64; 3], [u32; 2]);
+    let mut ends: HashMap<u32, Vec<End>> = HashMap::default();
+    for e in edges {
+        let Some(chain) = chains.iter().find(|c| c.chain == e.chain) else { continue };
+        let points = [e.edge.control.first(), e.edge.control.last()];
+        for (v, x) in [chain.vertices.first(), chain.vertices.last()].into_iter().zip(points) {
+            if let (Some(v), Some(x)) = (v, x) {
+                ends.entry(*v).or_default().push((x.map(f64::to_bits), pair(e.labels)));
+            }
+        }
+    }
+    let differ = ends.into_values().filter(|e| e.iter().any(|x| x.0 != e[0].0));
+    differ.flatten().map(|e| e.1).collect()
 }
 
 #[cfg(test)]

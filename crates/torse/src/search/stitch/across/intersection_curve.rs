@@ -4,7 +4,7 @@
 //! square to the edge. Where tangent planes nearly agree the steps are damped. Nothing is judged here.
 
 use crate::geom::Vec3;
-use crate::search::stitch::intersection::{CURVE, EDGE};
+use crate::search::stitch::strip_pair::{CURVE, EDGE};
 use crate::spline::curve::Curve;
 use crate::spline::lsq;
 use crate::torse::form::Torse;

@@ -21,7 +21,7 @@ use crate::patchwork::panel::Border;
 use crate::search::build::{limits_missed, rebuilt, Built, Rebuilding};
 use crate::search::cover::Limits;
 use crate::search::joint::Meeting;
-use crate::search::stitch::attempts::unproven;
+use crate::search::stitch::openness::unproven;
 use crate::search::stitch::seams::{kept, SharedSeam};
 use crate::torse::form::Torse;
 use heights::{corner_counts, counts, meetings};
