@@ -1,17 +1,18 @@
 //! Time of one fit: a strip of a torus at the width for which the best error is 1 mm.
 
-use torse::fit::near::dual::{CentrePoint, DualOptions};
+use torse::fit::near::dual::DualOptions;
 use torse::fit::near::primal::PrimalOptions;
 use torse::fit::near::samples::Sample;
 use torse::fit::near::{dual::dual, plane::plane, primal::primal};
 use torse::geom::Vec3;
+use torse::torse::form::Ruling;
 
 fn main() {
     divan::main();
 }
 
 /// `n × m` samples of a torus (radii 1500 and 500 mm) beside the parallel at half a radian, and its centre line.
-fn strip(n: usize, m: usize) -> (Vec<Sample>, Vec<CentrePoint>) {
+fn strip(n: usize, m: usize) -> (Vec<Sample>, Vec<Ruling>) {
     let point = |a: f64, b: f64| {
         let n = Vec3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin());
         (Vec3::new(a.cos(), a.sin(), 0.0) * 1500.0 + n * 500.0, n)
@@ -30,7 +31,7 @@ fn strip(n: usize, m: usize) -> (Vec<Sample>, Vec<CentrePoint>) {
             let a = along(i, 60);
             let (x, n) = point(a, 0.5);
             let (sin, cos) = 0.5_f64.sin_cos();
-            CentrePoint { x, n, ruling: Vec3::new(-a.cos() * sin, -a.sin() * sin, cos) }
+            Ruling { point: x, direction: Vec3::new(-a.cos() * sin, -a.sin() * sin, cos), normal: n }
         })
         .collect();
     (samples, centre)

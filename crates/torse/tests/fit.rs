@@ -2,13 +2,13 @@
 
 use proptest::prelude::*;
 use torse::control::Control;
-use torse::fit::near::dual::{CentrePoint, DualOptions};
+use torse::fit::near::dual::DualOptions;
 use torse::fit::near::primal::PrimalOptions;
 use torse::fit::near::samples::{error, thin, Fit, Sample};
 use torse::fit::near::{descent::RefitOptions, refit::refit};
 use torse::fit::near::{dual::dual, plane::plane, primal::primal};
 use torse::geom::Vec3;
-use torse::torse::form::{PanelKind, Torse};
+use torse::torse::form::{PanelKind, Ruling, Torse};
 
 /// A strip of a surface: `point(a, b)` gives position and unit normal, a runs along the centre line b = 0, the ruling of
 /// the tangent developable at `(a, 0)` is `ruling(a)`.
@@ -34,12 +34,12 @@ impl Strip {
         out
     }
 
-    fn centre(&self) -> Vec<CentrePoint> {
+    fn centre(&self) -> Vec<Ruling> {
         (0..60)
             .map(|i| {
                 let a = self.along.0 + (self.along.1 - self.along.0) * i as f64 / 59.0;
                 let (x, n) = (self.point)(a, 0.0);
-                CentrePoint { x, n, ruling: (self.ruling)(a) }
+                Ruling { point: x, direction: (self.ruling)(a), normal: n }
             })
             .collect()
     }
@@ -295,7 +295,7 @@ fn degenerate_samples_give_a_plane_or_nothing() {
         let same = vec![at(1.0, 2.0, 3.0); count];
         assert!(primal(&same, &o).expect("a plane").error < 1e-9);
     }
-    let centre = [CentrePoint { x: Vec3::zeros(), n: Vec3::z(), ruling: Vec3::x() }; 6];
+    let centre = [Ruling { point: Vec3::zeros(), direction: Vec3::x(), normal: Vec3::z() }; 6];
     assert!(dual(&[at(0.0, 0.0, 0.0); 8], &centre, &DualOptions::new(0.1)).is_none());
     assert!(primal(&[at(f64::NAN, 0.0, 0.0); 9], &o).is_none());
     assert!(plane(&[at(f64::INFINITY, 0.0, 0.0); 9]).is_none());

@@ -9,7 +9,7 @@ use torse::draw::picture::{self, Caption};
 use torse::draw::raster::{Drawing, Image};
 use torse::draw::scene::{PanelShape, Scene};
 use torse::draw::stroke_font;
-use torse::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
+use torse::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, EnvelopeRuling};
 use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
@@ -64,7 +64,7 @@ fn surface(bytes: &[u8]) -> Done<Surface> {
 
 /// Rulings along one curve with their minimal intervals.
 struct Study {
-    points: Vec<RulingPoint>,
+    points: Vec<EnvelopeRuling>,
     ends: Vec<[f64; 2]>,
 }
 
@@ -147,9 +147,9 @@ fn regions(surface: &Surface, study: &Study, which: &[usize], title: &str) -> Do
         let p = study.points.get(k).ok_or("no such ruling")?;
         let [back, forth] = study.ends[k];
         let near = |u: f64, v: f64| {
-            let x = surface.point(u, v) - p.x;
-            let r = x.dot(&p.ruling);
-            r >= -back && r <= forth && (x - p.ruling * r).norm() <= TOLERANCE
+            let x = surface.point(u, v) - p.ruling.point;
+            let r = x.dot(&p.ruling.direction);
+            r >= -back && r <= forth && (x - p.ruling.direction * r).norm() <= TOLERANCE
         };
         for j in 0..CELLS {
             let (low, high) = (v0 + dv * j as f64, v0 + dv * (j + 1) as f64);
@@ -200,13 +200,13 @@ fn whole(surface: &Surface) -> Mesh {
 }
 
 /// The ruled piece between the ends of rulings.
-fn ruled(points: &[RulingPoint], ends: &[[f64; 2]], step: usize) -> PanelShape {
+fn ruled(points: &[EnvelopeRuling], ends: &[[f64; 2]], step: usize) -> PanelShape {
     let mut shape = PanelShape::default();
     let each = || points.iter().zip(ends);
     for (i, (p, e)) in each().enumerate() {
-        let ruling = [p.x - p.ruling * e[0], p.x + p.ruling * e[1]];
+        let ruling = [p.ruling.at(-e[0]), p.ruling.at(e[1])];
         shape.mesh.positions.extend(ruling);
-        shape.mesh.normals.extend([p.n; 2]);
+        shape.mesh.normals.extend([p.ruling.normal; 2]);
         if i > 0 {
             let k = 2 * i as u32;
             shape.mesh.triangles.extend([[k - 2, k, k + 1], [k - 2, k + 1, k - 1]]);
@@ -215,8 +215,8 @@ fn ruled(points: &[RulingPoint], ends: &[[f64; 2]], step: usize) -> PanelShape {
             shape.rulings.push(ruling);
         }
     }
-    let back = each().map(|(p, e)| p.x - p.ruling * e[0]);
-    let forth = each().rev().map(|(p, e)| p.x + p.ruling * e[1]);
+    let back = each().map(|(p, e)| p.ruling.at(-e[0]));
+    let forth = each().rev().map(|(p, e)| p.ruling.at(e[1]));
     let mut border: Vec<Vec3> = back.chain(forth).collect();
     border.extend(border.first().copied());
     shape.borders.push(border);
@@ -239,10 +239,10 @@ fn in_space(surface: &Surface, study: &Study, which: &[usize], title: &str, shee
     if sheet {
         scene.panels.push(ruled(&study.points, &study.ends, 2));
     }
-    scene.guides.push(study.points.iter().map(|p| p.x).collect());
+    scene.guides.push(study.points.iter().map(|p| p.ruling.point).collect());
     for &k in which {
         let (p, e) = (&study.points[k], study.ends[k]);
-        scene.guides.push(vec![p.x - p.ruling * e[0], p.x + p.ruling * e[1]]);
+        scene.guides.push(vec![p.ruling.at(-e[0]), p.ruling.at(e[1])]);
     }
     let note = format!("red: the curve, and rulings within {TOLERANCE} mm");
     picture::panels(&scene, &EYE, &Caption { width: 800, title: title.into(), note })

@@ -10,7 +10,7 @@ use torse::design::hull::strips::{strips, HullPart};
 use torse::design::loft::branches::{branches, self_coplanarity, Branch, BranchOptions, BranchType};
 use torse::design::loft::build::{follow, BuildOptions, BuiltStrip};
 use torse::design::loft::least_twist::{least_twist, LeastTwistOptions};
-use torse::design::loft::track::{Contact, Track};
+use torse::design::loft::track::{LineElement, Track};
 use torse::geom::{Frame, Vec3};
 use torse::spline::bezier::Bezier;
 use torse::spline::curve::{bezier_pieces, Curve};
@@ -178,7 +178,7 @@ fn diagonal(case: &Case) -> Result<Checks, String> {
     let mut checks = Checks::default();
     let (p, t) = (number(&case.input, "p")?, number(&case.input, "t")?);
     let speed = (1.0 + p * p).sqrt();
-    let at = |t: f64| Contact {
+    let at = |t: f64| LineElement {
         point: Vec3::new(t.cos(), t.sin(), p * t),
         tangent: Vec3::new(-t.sin(), t.cos(), p) / speed,
     };

@@ -61,7 +61,7 @@ pub struct RawFace {
     /// Whether the face's normal is that of the support.
     pub same_sense: bool,
     /// The part of the support that is the face.
-    pub region: Region,
+    pub region: RawRegion,
     /// How far `support` is from the file's surface.
     pub surface_deviation: SurfaceDeviation,
     /// Distance (mm) below which the file calls points the same; 0 if it does not say.
@@ -70,7 +70,7 @@ pub struct RawFace {
 
 /// Which part of a support belongs to a face.
 #[derive(Clone, Debug)]
-pub enum Region {
+pub enum RawRegion {
     /// All of a bounded or closed surface.
     Whole,
     /// A rectangle of natural parameters, each from low to high.

@@ -293,11 +293,11 @@ impl<'a> Judge<'a> {
     }
 
     /// The parameters along the ruling at a share of a span.
-    fn ruling(&self, k: usize, share: f64) -> Ruling {
+    fn ruling(&self, k: usize, share: f64) -> RulingParameters {
         let [p, q] = [&self.asked.places[k], &self.asked.places[k + 1]];
         let (s, rest) = (Interval::point(share), Interval::ONE - Interval::point(share));
         let of = |a: f64, b: f64| Interval::point(a) * rest + Interval::point(b) * s;
-        Ruling {
+        RulingParameters {
             at: [0, 1].map(|d: usize| of(p.at[d], q.at[d])),
             slope: [0, 1].map(|d: usize| of(p.slope[d], q.slope[d])),
             bend: [0, 1].map(|d: usize| of(p.bend[d], q.bend[d])),
@@ -443,7 +443,7 @@ impl<'a> Judge<'a> {
 
     /// Bound of the distance of the patch from its chord along a ruling, over the box of its places and these ways: an eighth of
     /// the second derivative, or a quarter of what the first ranges over where the ruling crosses a crease.
-    fn across(&self, ruling: &Ruling, box_: [Interval; 2], v: Interval) -> f64 {
+    fn across(&self, ruling: &RulingParameters, box_: [Interval; 2], v: Interval) -> f64 {
         let jet = self.tensor.affine_over(box_);
         let (slope, wide) = (ruling.slope_at(v), Interval::point(v.hi) - Interval::point(v.lo));
         let bound = if self.tensor.creased(box_) {
@@ -563,13 +563,13 @@ impl<'a> Judge<'a> {
 type Both = ([Interval; 2], [Interval; 2]);
 
 /// Parameters of the patch along a ruling, enclosed.
-struct Ruling {
+struct RulingParameters {
     at: [Interval; 2],
     slope: [Interval; 2],
     bend: [Interval; 2],
 }
 
-impl Ruling {
+impl RulingParameters {
     /// The parameters at a way.
     fn place(&self, v: Interval) -> [Interval; 2] {
         [0, 1].map(|d| self.at[d] + (self.slope[d] + self.bend[d] * v) * v)

@@ -1,7 +1,7 @@
 //! How the sheet of a chain of cones bends: lines about which it turns by equal angles, drawn inside the outline, with their
 //! radii. Where one piece passes into the next nothing bends more than elsewhere.
 
-use super::bends::{self, BendSpacing, Plane, ProfileLine, Ruling, TurnProfile};
+use super::bends::{self, BendSpacing, DevelopedRuling, Plane, ProfileLine, TurnProfile};
 use super::cones::develop;
 use super::shop::roll::outlines;
 use super::shop::sections::clipped;
@@ -57,7 +57,7 @@ pub(crate) fn draw_bends(pattern: &mut Pattern, spline: &ConeSpline, part: Optio
         let ends = [segment.edge(0, f), segment.edge(1, f)];
         let Plane { normal, across } = plane(segment, f);
         let radii = ends.map(|r| radius(segment, r));
-        Some(Ruling {
+        Some(DevelopedRuling {
             flat: ends.map(|r| flat.point(f, r)),
             space: ends.map(|r| segment.point(f, r)),
             across,

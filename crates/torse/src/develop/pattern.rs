@@ -4,7 +4,7 @@
 //! 3.1 (closed contours, arcs instead of many points, seams marked on both neighbours at equal places).
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, BendSpacing, Plane, ProfileLine, Ruling, TurnProfile};
+use super::bends::{self, BendSpacing, DevelopedRuling, Plane, ProfileLine, TurnProfile};
 use super::map::Development;
 use super::outline::{outside, FlatCoedge};
 use super::overlap::{overlap, OutlinePoint};
@@ -305,9 +305,9 @@ fn bend_lines(
 }
 
 /// A ruling of a patch with its image; `side` is that of the development.
-pub(super) fn ruling(development: &Development, patch: &Surface, t: f64, side: f64) -> Option<Ruling> {
+pub(super) fn ruling(development: &Development, patch: &Surface, t: f64, side: f64) -> Option<DevelopedRuling> {
     let Plane { normal, across } = Plane::of(patch, t, 0.5, side)?;
-    Some(Ruling {
+    Some(DevelopedRuling {
         flat: [0.0, 1.0].map(|r| development.map(t, r)),
         space: [0.0, 1.0].map(|r| patch.point(t, r)),
         across,

@@ -4,7 +4,7 @@
 //! before. Outline as lines and arcs, rulings, marks at equal lengths along both rails.
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, Plane, ProfileLine, Ruling, TurnProfile};
+use super::bends::{self, DevelopedRuling, Plane, ProfileLine, TurnProfile};
 use super::map::Development;
 use super::overlap::{overlap, OutlinePoint};
 use super::view::Drawn;
@@ -369,7 +369,7 @@ fn exact(
     profile: &TurnProfile<(usize, f64)>,
     line: &ProfileLine,
     (behind, side): (bool, f64),
-) -> Option<Ruling> {
+) -> Option<DevelopedRuling> {
     let [(k, a), (m, b)] = profile.around(line.after)?;
     let (k, u) = match (k == m, behind) {
         (true, _) => (k, a + (b - a) * line.share),
@@ -380,7 +380,7 @@ fn exact(
     let own = super::pattern::ruling(&l.development, &l.strip.patch, u, side)?;
     let flat = [0.0, 1.0].map(|v| l.map(u, v));
     let radii = if l.strip.kind == PanelKind::Plane { [f64::INFINITY; 2] } else { own.radii };
-    Some(Ruling { flat, radii, ..own })
+    Some(DevelopedRuling { flat, radii, ..own })
 }
 
 /// Lines as they are drawn, shortened by `inset` at both ends, with how the sheet bends about each; in planes only those that

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 /// A ruling of a strip, between the strip's borders.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ruling {
+pub struct StripRuling {
     /// Name of the strip.
     pub strip: String,
     /// Number in the strip, from 1.
@@ -18,7 +18,7 @@ pub struct Ruling {
 }
 
 /// `rulings.csv`: strip, number, both ends and length in a unit; of conoidal strips the normal of the plane.
-pub fn csv(rulings: &[Ruling], unit: LengthUnit) -> Vec<u8> {
+pub fn csv(rulings: &[StripRuling], unit: LengthUnit) -> Vec<u8> {
     let sign = unit.sign();
     let ends = ["px", "py", "pz", "qx", "qy", "qz", "length"].map(|c| format!("{c}_{sign}")).join(",");
     let mut out = format!("strip,ruling,{ends},mx,my,mz\n");
@@ -37,7 +37,7 @@ pub fn csv(rulings: &[Ruling], unit: LengthUnit) -> Vec<u8> {
 
 /// `rulings.dxf`: one LINE in space for each ruling, on a layer with the name of its strip. The oldest form of DXF that is
 /// still read everywhere (R12).
-pub fn dxf(rulings: &[Ruling], unit: LengthUnit) -> Vec<u8> {
+pub fn dxf(rulings: &[StripRuling], unit: LengthUnit) -> Vec<u8> {
     let number = match unit {
         LengthUnit::Millimetre => 4,
         LengthUnit::Inch => 1,
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn both_files_hold_every_ruling() {
-        let ruling = |number: usize| Ruling {
+        let ruling = |number: usize| StripRuling {
             strip: "A-01".into(),
             number,
             ends: [Vec3::new(0.0, number as f64, 0.0), Vec3::new(3.0, number as f64, 4.0)],

@@ -15,7 +15,7 @@ use crate::draw::scene::{PanelShape, Scene};
 use crate::geom::coarse::Loose;
 use crate::geom::mesh::Mesh;
 use crate::geom::{BBox, Vec3};
-use crate::io::rulings::Ruling;
+use crate::io::rulings::StripRuling;
 use crate::io::words;
 use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Panel, Patchwork};
@@ -71,7 +71,7 @@ pub struct RuledAnswer {
     /// Strips and their proof.
     pub answer: Answer,
     /// Rulings between the borders of every strip.
-    pub rulings: Vec<Ruling>,
+    pub rulings: Vec<StripRuling>,
     /// For every conoidal strip the unit normal of the plane that its rulings are parallel to, panel by panel; `None` for
     /// other strips.
     pub directing: Vec<Option<Vec3>>,
@@ -156,7 +156,7 @@ pub fn of_faces(
     }
     let certificate = certify::join(&patchwork, certificates, tolerance);
     let spacing = options.spacing.unwrap_or(bbox.diagonal() / RULINGS.0);
-    let rulings: Vec<Ruling> =
+    let rulings: Vec<StripRuling> =
         patchwork.panels.iter().zip(&directing).flat_map(|(p, m)| rulings_of(p, spacing, *m)).collect();
     let longest = rulings.iter().map(|r| (r.ends[1] - r.ends[0]).norm()).fold(0.0, f64::max);
     let kink = certificate.seams.iter().map(|s| s.kink_range_estimate.1).fold(kink, f64::max).to_degrees();
@@ -185,7 +185,7 @@ pub fn of_faces(
 }
 
 /// Rulings of a panel between its borders, about `spacing` (mm) apart.
-fn rulings_of(panel: &Panel, spacing: f64, parallel_to: Option<Vec3>) -> Vec<Ruling> {
+fn rulings_of(panel: &Panel, spacing: f64, parallel_to: Option<Vec3>) -> Vec<StripRuling> {
     let clipped = ClippedRulings::new(panel);
     let (a, b) = clipped.range();
     let patch = &panel.strip.patch;
@@ -199,7 +199,7 @@ fn rulings_of(panel: &Panel, spacing: f64, parallel_to: Option<Vec3>) -> Vec<Rul
         clipped.at(s).into_iter().map(move |(t, r)| [t, r].map(|t| patch.point(s, t)))
     });
     let name = &panel.strip.name;
-    ends.enumerate().map(|(k, ends)| Ruling { strip: name.clone(), number: k + 1, ends, parallel_to }).collect()
+    ends.enumerate().map(|(k, ends)| StripRuling { strip: name.clone(), number: k + 1, ends, parallel_to }).collect()
 }
 
 /// The map of curvature: blue where faces are saddle-shaped and straight lines lie near, red where they bend to one side.

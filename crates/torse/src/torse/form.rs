@@ -58,7 +58,8 @@ pub enum Torse {
     Cylinder(CylinderTorse),
 }
 
-/// One ruling with its tangent plane.
+/// One ruling with its tangent plane. Which way both point says nothing of the way that the parameter goes: see
+/// [`G1Element`](super::g1_element::G1Element).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ruling {
     /// A point of the ruling.
@@ -67,6 +68,13 @@ pub struct Ruling {
     pub direction: Vec3,
     /// Unit normal of the tangent plane.
     pub normal: Vec3,
+}
+
+impl Ruling {
+    /// The point at the signed distance `r` from `point`.
+    pub fn at(&self, r: f64) -> Vec3 {
+        self.point + self.direction * r
+    }
 }
 
 /// What a panel is, for people.

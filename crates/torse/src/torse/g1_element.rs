@@ -1,4 +1,4 @@
-//! A ruling with its tangent plane: the datum from which developables are interpolated \[LP98\].
+//! A ruling with its tangent plane, oriented: the datum from which developables are interpolated \[LP98\].
 
 use crate::geom::Vec3;
 
@@ -29,7 +29,8 @@ pub enum ElementError {
     },
 }
 
-/// A ruling with its tangent plane, as an orthonormal frame at a point of the ruling.
+/// A ruling with its tangent plane and the way on from there, as an orthonormal frame at a point of the ruling: what a
+/// [`Ruling`](super::form::Ruling) does not tell.
 ///
 /// `normal = direction × forward`. `point` lies in the used part of the ruling; `forward` points to the side of
 /// increasing parameter *there* (beyond the singular point of the ruling it would point backwards).

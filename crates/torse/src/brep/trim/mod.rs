@@ -17,7 +17,7 @@ pub(crate) use self::error::TrimError;
 use self::polygon::Polygon;
 use super::face::{Face, FileBoundary, FileEdge, TrimLoop};
 use super::parameter_map::ParameterMap;
-use super::raw::{RawFace, RawLoop, Region};
+use super::raw::{RawFace, RawLoop, RawRegion};
 use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
 use crate::geom::{BBox, Frame};
@@ -62,9 +62,9 @@ fn faces_on(
     turned: fn(&Frame, &[RawLoop]) -> Frame,
 ) -> Result<Vec<Face>, TrimError> {
     let loops = match &raw.region {
-        Region::Whole => return natural(raw, None).map(|f| vec![f]),
-        Region::Rectangle(r) => return natural(raw, Some(*r)).map(|f| vec![f]),
-        Region::Loops(loops) => loops,
+        RawRegion::Whole => return natural(raw, None).map(|f| vec![f]),
+        RawRegion::Rectangle(r) => return natural(raw, Some(*r)).map(|f| vec![f]),
+        RawRegion::Loops(loops) => loops,
     };
     let mut loops = loops.clone();
     let given = loops.iter().any(|l| !l.edges.is_empty());
@@ -351,7 +351,7 @@ pub(crate) fn with_chords(face: &Face, tolerance: f64) -> Option<Face> {
 /// lines then; chords keep to the file's edges within `tolerance` (mm). `None` where it is no such face, or has that axis.
 pub(crate) fn about_its_circles(face: &Face, tolerance: f64) -> Option<Face> {
     let b = face.boundary.as_ref().filter(|_| face.parts.is_empty())?;
-    let (SupportSurface::Sphere { frame, .. }, Region::Loops(loops)) = (&b.source.support, &b.source.region) else {
+    let (SupportSurface::Sphere { frame, .. }, RawRegion::Loops(loops)) = (&b.source.support, &b.source.region) else {
         return None;
     };
     let loops: Vec<RawLoop> = loops.iter().cloned().flat_map(without_slits).collect();

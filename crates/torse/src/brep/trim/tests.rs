@@ -3,7 +3,7 @@
 use super::{about_its_circles, faces, TrimError};
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation, SurfaceKind};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, RawRegion, SurfaceDeviation, SurfaceKind};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::{Frame, Vec3};
@@ -23,7 +23,7 @@ fn small_loop(support: &SupportSurface, box_of: [(f64, f64); 2], counter_clockwi
     RawLoop { edges: vec![RawEdge { entity: 7, forward: true, path, vertices: None, trace: None }], outer }
 }
 
-fn raw(support: &SupportSurface, region: Region) -> RawFace {
+fn raw(support: &SupportSurface, region: RawRegion) -> RawFace {
     RawFace {
         entity: 1,
         name: String::new(),
@@ -37,7 +37,7 @@ fn raw(support: &SupportSurface, region: Region) -> RawFace {
     }
 }
 
-fn area(support: &SupportSurface, region: Region) -> f64 {
+fn area(support: &SupportSurface, region: RawRegion) -> f64 {
     faces(&raw(support, region), None).expect("a face").iter().map(area_estimate).sum()
 }
 
@@ -80,10 +80,10 @@ fn closed() -> Vec<Named> {
 fn the_sense_of_a_loop_says_which_side_of_it_a_face_is() {
     for (name, support, box_of) in closed() {
         let bounded = |counter_clockwise: bool, outer: bool| {
-            area(&support, Region::Loops(vec![small_loop(&support, box_of, counter_clockwise, outer)]))
+            area(&support, RawRegion::Loops(vec![small_loop(&support, box_of, counter_clockwise, outer)]))
         };
         let (inside, outside) = (bounded(true, false), bounded(false, false));
-        let whole = area(&support, Region::Rectangle(box_of));
+        let whole = area(&support, RawRegion::Rectangle(box_of));
         assert!((inside + outside - whole).abs() < 2e-3 * whole, "{name}: {inside} + {outside} is not {whole}");
         assert!(inside < 0.1 * whole, "{name}: {inside} of {whole}");
         // Where senses are not to be relied on, it is the inside.
@@ -102,7 +102,7 @@ fn the_other_side_of_a_surface_that_hardly_closes_is_refused() {
     assert!(!support.is_closed() && support.is_nearly_closed());
     let box_of = [surface.domain().0, surface.domain().1];
     let bounded =
-        |way: bool| faces(&raw(&support, Region::Loops(vec![small_loop(&support, box_of, way, false)])), None);
+        |way: bool| faces(&raw(&support, RawRegion::Loops(vec![small_loop(&support, box_of, way, false)])), None);
     assert_eq!(bounded(false).err(), Some(TrimError::EitherSide));
     assert!(bounded(true).is_ok());
 }
@@ -152,9 +152,9 @@ fn a_wavy_band_of_a_torus_is_that_band() {
             })
             .sum();
         let wanted = minor * sum * TAU / f64::from(count);
-        let found = area(&support, Region::Loops(loops.clone()));
+        let found = area(&support, RawRegion::Loops(loops.clone()));
         assert!((found - wanted).abs() < 1e-2 * wanted, "{lift}: {found} is not {wanted}");
-        let pierced = area(&support, Region::Loops(loops.into_iter().chain([hole.clone()]).collect()));
+        let pierced = area(&support, RawRegion::Loops(loops.into_iter().chain([hole.clone()]).collect()));
         let removed = minor * (major + minor * 0.85f64.cos()) * std::f64::consts::PI * 0.05 * 0.05;
         assert!((found - pierced - removed).abs() < 0.02 * removed, "{lift}: {} is not {removed}", found - pierced);
     }
@@ -182,7 +182,7 @@ fn a_slit_of_a_cylinder_bounds_nothing() {
     let low = RawLoop { edges: vec![edge(1, circle(0.0, 0.0, TAU))], outer: false };
     let edges = vec![edge(2, circle(20.0, TAU, 0.0)), edge(3, slit(0.0, 6.0)), edge(3, slit(6.0, 0.0))];
     let high = RawLoop { edges, outer: false };
-    let made = faces(&raw(&support, Region::Loops(vec![low, high])), None).expect("a tube");
+    let made = faces(&raw(&support, RawRegion::Loops(vec![low, high])), None).expect("a tube");
     let wanted = TAU * 10.0 * 20.0;
     let found: f64 = made.iter().map(area_estimate).sum();
     assert!((found - wanted).abs() < 1e-3 * wanted, "{found} is not {wanted}");
@@ -223,7 +223,7 @@ fn a_slim_hole_of_a_cylinder_is_no_slit() {
             outer: false,
         },
     ];
-    let made = faces(&raw(&support, Region::Loops(loops)), None).expect("a tube with a hole");
+    let made = faces(&raw(&support, RawRegion::Loops(loops)), None).expect("a tube with a hole");
     let boundary = made[0].boundary.as_ref().expect("edges of the file");
     let entities: Vec<u64> = boundary.loops.iter().flatten().map(|e| e.entity).collect();
     assert_eq!((made[0].loops.len(), entities), (2, vec![1, 2, 3, 4]));
@@ -240,7 +240,7 @@ fn caps_are_parametrised_about_their_circles() {
         let path = vec![Arc { curve: SpaceCurve::Ellipse { frame, a, b: a }, from: 0.0, to: TAU }];
         RawLoop { edges: vec![RawEdge { entity: 7, forward: true, path, vertices: None, trace: None }], outer: true }
     };
-    let made = |rim: RawLoop| faces(&raw(&support, Region::Loops(vec![rim])), None).expect("a face").remove(0);
+    let made = |rim: RawLoop| faces(&raw(&support, RawRegion::Loops(vec![rim])), None).expect("a face").remove(0);
     let face = made(rim(80.0));
     let turned = about_its_circles(&face, 0.01).expect("a cap");
     let cap = TAU * 100.0 * 20.0;
@@ -273,7 +273,7 @@ fn fans_that_end_a_hair_before_their_tip_keep_their_sides() {
         let (p, q) = (way[k], way[(k + 1) % 4]);
         RawEdge { entity: k as u64 + 1, forward: true, path: vec![line(p, q)], vertices: Some([p, q]), trace: None }
     };
-    let region = Region::Loops(vec![RawLoop { edges: (0..4).map(edge).collect(), outer: true }]);
+    let region = RawRegion::Loops(vec![RawLoop { edges: (0..4).map(edge).collect(), outer: true }]);
     let faces = faces(&raw(&spline(surface), region), None).expect("a face");
     let corners = &faces[0].loops[0].points;
     assert_eq!(corners.len(), 4, "{corners:?}");

@@ -7,7 +7,7 @@
 pub(crate) use super::branch::used_share;
 pub use super::branch::{Branch, BranchType, Direction};
 use super::links::linked;
-use super::track::{Contact, Track};
+use super::track::{LineElement, Track};
 use crate::torse::rail::Rail;
 use std::f64::consts::FRAC_PI_2;
 
@@ -34,7 +34,7 @@ const REST: f64 = 1e-10;
 const LAST_DIGIT: f64 = 1e-16;
 
 /// `det(a', b', b − a)` with unit vectors; 0 where rounding is all there is.
-pub(crate) fn coplanarity(a: &Contact, b: &Contact) -> f64 {
+pub(crate) fn coplanarity(a: &LineElement, b: &LineElement) -> f64 {
     let r = b.point - a.point;
     let l = r.norm();
     if l == 0.0 {
@@ -50,14 +50,14 @@ pub(crate) fn coplanarity(a: &Contact, b: &Contact) -> f64 {
 
 /// Coplanarity of two tangents of one curve divided by the third power of the chord: regular on the diagonal, where
 /// it tends to `−κ²τ/12` \[W15, 5.2\]. mm⁻³.
-pub fn self_coplanarity(a: &Contact, b: &Contact) -> f64 {
+pub fn self_coplanarity(a: &LineElement, b: &LineElement) -> f64 {
     let r = b.point - a.point;
     let l = r.norm();
     a.tangent.cross(&b.tangent).dot(&r) / (l * l * l * l)
 }
 
-/// Oriented twist of the ruling between two contacts, rad in [0, π]; `None` where a tangent lies along the ruling.
-pub(crate) fn twist(a: &Contact, b: &Contact) -> Option<f64> {
+/// Oriented twist of the ruling between two line elements, rad in [0, π]; `None` where a tangent lies along the ruling.
+pub(crate) fn twist(a: &LineElement, b: &LineElement) -> Option<f64> {
     const ALONG: f64 = 1e-9;
     let r = (b.point - a.point).try_normalize(0.0)?;
     let (x, y) = (a.tangent.cross(&r), b.tangent.cross(&r));
@@ -103,10 +103,10 @@ const NONE: u32 = u32::MAX;
 
 impl Grid {
     /// Evaluates `value` on all pairs of nodes.
-    pub fn new(a: &Track, b: &Track, cells: usize, value: fn(&Contact, &Contact) -> f64) -> Self {
+    pub fn new(a: &Track, b: &Track, cells: usize, value: fn(&LineElement, &LineElement) -> f64) -> Self {
         let (x, y) = (a.nodes(cells), b.nodes(cells));
-        let p: Vec<Contact> = x.iter().map(|&x| a.at(x)).collect();
-        let q: Vec<Contact> = y.iter().map(|&y| b.at(y)).collect();
+        let p: Vec<LineElement> = x.iter().map(|&x| a.at(x)).collect();
+        let q: Vec<LineElement> = y.iter().map(|&y| b.at(y)).collect();
         let mut values = Vec::with_capacity(p.len() * q.len());
         for a in &p {
             values.extend(q.iter().map(|b| value(a, b)));
@@ -468,7 +468,7 @@ mod tests {
     #[test]
     fn on_the_diagonal_the_quotient_tends_to_torsion() {
         let p = 0.5;
-        let at = |t: f64| Contact {
+        let at = |t: f64| LineElement {
             point: Vec3::new(t.cos(), t.sin(), p * t),
             tangent: Vec3::new(-t.sin(), t.cos(), p) / (1.0f64 + p * p).sqrt(),
         };

@@ -7,7 +7,7 @@
 //! straight parts it leads from corner to corner.
 
 use super::branch::{used_share, Branch, BranchType, Direction};
-use super::track::{Contact, Track};
+use super::track::{LineElement, Track};
 use crate::num::parallel;
 
 /// Determinant up to which a way between two runs is a zero of it: the twist that fitted rulings may have.
@@ -218,14 +218,15 @@ fn straight(track: &Track, nodes: &[f64]) -> Vec<Straight> {
     }
     // Just inside of what lies between two nodes, as tangents jump at the ends of pieces.
     let inside = |w: &[f64], share: f64| track.at(w[0] + (w[1] - w[0]) * share);
-    let goes_on =
-        |p: &Contact, q: &Contact| p.tangent.cross(&q.tangent).norm() <= STRAIGHT && p.tangent.dot(&q.tangent) > 0.0;
+    let goes_on = |p: &LineElement, q: &LineElement| {
+        p.tangent.cross(&q.tangent).norm() <= STRAIGHT && p.tangent.dot(&q.tangent) > 0.0
+    };
     let mut out: Vec<Straight> = Vec::new();
     let mut open = false;
     for w in at.windows(2) {
         let (p, q) = (inside(w, 0.01), inside(w, 0.99));
         let way = q.point - p.point;
-        let along = way.norm() > 0.0 && goes_on(&p, &q) && goes_on(&p, &Contact { tangent: way.normalize(), ..q });
+        let along = way.norm() > 0.0 && goes_on(&p, &q) && goes_on(&p, &LineElement { tangent: way.normalize(), ..q });
         let last = out.last_mut().filter(|last| open && along && last.1.cross(&p.tangent).norm() <= STRAIGHT);
         if let Some(last) = last {
             last.0[1] = w[1];

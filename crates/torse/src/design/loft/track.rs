@@ -39,7 +39,7 @@ pub struct Track<'a> {
 
 /// Point and unit tangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct LineElement {
     /// Point, mm.
     pub point: Vec3,
     /// Unit tangent.
@@ -118,9 +118,9 @@ impl<'a> Track<'a> {
     }
 
     /// Point and tangent at `x`.
-    pub fn at(&self, x: f64) -> Contact {
+    pub fn at(&self, x: f64) -> LineElement {
         let (segment, t) = self.locate(x);
-        contact(self.rail, &segment, t)
+        line_element(self.rail, &segment, t)
     }
 
     /// The rail's own parameter at `x`, in [0, number of pieces].
@@ -167,20 +167,20 @@ impl<'a> Track<'a> {
 }
 
 /// Point and tangent on a segment.
-pub fn contact(rail: &Rail, segment: &Segment, t: f64) -> Contact {
+pub fn line_element(rail: &Rail, segment: &Segment, t: f64) -> LineElement {
     match segment {
         Segment::Piece(k) => {
             let c = &rail.pieces[*k];
             let j = jet(c, t);
             let speed = j[1].norm();
             let slow = speed <= STOPS * j[2].norm();
-            Contact { point: j[0], tangent: if slow { tangent(c, t) } else { j[1] / speed } }
+            LineElement { point: j[0], tangent: if slow { tangent(c, t) } else { j[1] / speed } }
         }
         Segment::Corner { point, from, to, .. } => {
             let angle = from.angle(to);
             let s = angle.sin();
             let mixed = from * (((1.0 - t) * angle).sin() / s) + to * ((t * angle).sin() / s);
-            Contact { point: *point, tangent: mixed.try_normalize(NO_DIRECTION).unwrap_or(*from) }
+            LineElement { point: *point, tangent: mixed.try_normalize(NO_DIRECTION).unwrap_or(*from) }
         }
     }
 }

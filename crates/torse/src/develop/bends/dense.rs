@@ -14,9 +14,9 @@ use crate::geom::{Vec2, Vec3};
 use crate::torse::ribbon::pose::{Pose, Rates};
 use nalgebra::Matrix3;
 
-/// A ruling of a part, in the plane and in space.
+/// A ruling of a part with its development: in the plane and in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ruling {
+pub(crate) struct DevelopedRuling {
     /// Ends in the plane.
     pub flat: [Vec2; 2],
     /// Ends in space.
@@ -30,7 +30,7 @@ pub(crate) struct Ruling {
 }
 
 /// A ruling at a place of a profile; `true` for what lies behind it where two pieces join.
-pub(crate) type Exact<'a> = dyn Fn(&ProfileLine, bool) -> Option<Ruling> + 'a;
+pub(crate) type Exact<'a> = dyn Fn(&ProfileLine, bool) -> Option<DevelopedRuling> + 'a;
 
 /// Rounds of new lines at most: each halves stretches.
 const ROUNDS: usize = 8;
@@ -106,13 +106,13 @@ impl Cell {
 pub(crate) fn dense_cells(
     mut cells: Vec<Cell>,
     (within, size): (f64, f64),
-    exact: &dyn Fn(f64) -> Option<Ruling>,
+    exact: &dyn Fn(f64) -> Option<DevelopedRuling>,
 ) -> Vec<Cell> {
     let near = NEARER * BendSpacing::default().least * size;
     let ends = [0.0, 1.0].map(exact);
     let [Some(first), Some(last)] = ends else { return cells };
     for _ in 0..ROUNDS {
-        let rulings: Option<Vec<Ruling>> = cells.iter().map(|c| exact(c.middle())).collect();
+        let rulings: Option<Vec<DevelopedRuling>> = cells.iter().map(|c| exact(c.middle())).collect();
         let Some(rulings) = rulings.filter(|r| !r.is_empty()) else { return cells };
         let count = cells.len();
         let stretch = |k: usize| {
@@ -120,8 +120,9 @@ pub(crate) fn dense_cells(
             Stretch::signed(rulings.get(k)?, rulings.get(k + 1)?, 0.5 * (a + b), [a.signum(), b.signum()])
         };
         // A single line tells of no change.
-        let tip =
-            |end: &Ruling, k: usize, behind| stretch(k).and_then(|s| s.beyond(end, behind)).unwrap_or(f64::INFINITY);
+        let tip = |end: &DevelopedRuling, k: usize, behind| {
+            stretch(k).and_then(|s| s.beyond(end, behind)).unwrap_or(f64::INFINITY)
+        };
         let mut left = vec![tip(&first, 0, false)];
         left.extend((0..count - 1).map(|k| stretch(k).map_or(0.0, |s| s.left(0.5 * size))));
         left.push(tip(&last, count.saturating_sub(2), true));
@@ -129,8 +130,8 @@ pub(crate) fn dense_cells(
             break;
         }
         let even = EVEN * within / left.len() as f64;
-        let middle = |r: &Ruling| (r.flat[0] + r.flat[1]) * 0.5;
-        let apart = |a: &Ruling, b: &Ruling| (middle(a) - middle(b)).norm();
+        let middle = |r: &DevelopedRuling| (r.flat[0] + r.flat[1]) * 0.5;
+        let apart = |a: &DevelopedRuling, b: &DevelopedRuling| (middle(a) - middle(b)).norm();
         let is_wide = |k: usize| match k {
             0 => apart(&first, &rulings[0]) > near,
             k if k == count => apart(&rulings[count - 1], &last) > near,
@@ -156,7 +157,7 @@ struct Gap {
 
 fn gaps<K: Copy>(profile: &TurnProfile<K>, lines: &[ProfileLine], size: f64, exact: &Exact) -> Vec<Gap> {
     let mut out = Vec::with_capacity(lines.len() + 1);
-    let rulings: Vec<[Option<Ruling>; 2]> = lines.iter().map(|l| [false, true].map(|b| exact(l, b))).collect();
+    let rulings: Vec<[Option<DevelopedRuling>; 2]> = lines.iter().map(|l| [false, true].map(|b| exact(l, b))).collect();
     let stretch = |k: usize| -> Option<Stretch> {
         let (a, b) = (rulings.get(k)?[1].as_ref()?, rulings.get(k + 1)?[0].as_ref()?);
         Stretch::new(a, b, profile.turn_between(&lines[k], &lines[k + 1]))
@@ -192,17 +193,17 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn new(first: &Ruling, last: &Ruling, turn: f64) -> Option<Self> {
+    fn new(first: &DevelopedRuling, last: &DevelopedRuling, turn: f64) -> Option<Self> {
         Self::signed(first, last, turn, [turn.signum(); 2])
     }
 
     /// The same where it is known which way the sheet bends at either ruling.
-    fn signed(first: &Ruling, last: &Ruling, turn: f64, signs: [f64; 2]) -> Option<Self> {
-        let middle = |r: &Ruling| (r.flat[0] + r.flat[1]) * 0.5;
+    fn signed(first: &DevelopedRuling, last: &DevelopedRuling, turn: f64, signs: [f64; 2]) -> Option<Self> {
+        let middle = |r: &DevelopedRuling| (r.flat[0] + r.flat[1]) * 0.5;
         let ahead = middle(last) - middle(first);
         let turned_over = (first.flat[1] - first.flat[0]).perp(&ahead) < 0.0;
         let origin = middle(first);
-        let side = |r: &Ruling, sign: f64| line(r, turned_over, sign);
+        let side = |r: &DevelopedRuling, sign: f64| line(r, turned_over, sign);
         let poses = [pose(first, turned_over, &origin)?, pose(last, turned_over, &origin)?];
         let sides = [side(first, signs[0])?, side(last, signs[1])?];
         let between = Between::new(&sides[0], &sides[1], turn, origin);
@@ -219,7 +220,7 @@ impl Stretch {
 
     /// By how much an end of the part is off that lies before the first ruling or behind the second one, mm; `None` where the
     /// rulings laid do not reach it.
-    fn beyond(&self, end: &Ruling, behind: bool) -> Option<f64> {
+    fn beyond(&self, end: &DevelopedRuling, behind: bool) -> Option<f64> {
         let target = pose(end, self.turned_over, &self.origin)?;
         let side = line(end, self.turned_over, self.turn.signum())?;
         let foot = side.way.dot(&(side.at - self.origin));
@@ -254,7 +255,7 @@ fn off(a: &Pose, b: &Pose, middle: f64, lever: f64) -> f64 {
 }
 
 /// A ruling as a line that is drawn.
-fn line(r: &Ruling, turned_over: bool, sign: f64) -> Option<LineSide> {
+fn line(r: &DevelopedRuling, turned_over: bool, sign: f64) -> Option<LineSide> {
     let ([a, b], radii) =
         if turned_over { ([r.flat[1], r.flat[0]], [r.radii[1], r.radii[0]]) } else { (r.flat, r.radii) };
     let way = (b - a).try_normalize(0.0)?;
@@ -262,7 +263,7 @@ fn line(r: &Ruling, turned_over: bool, sign: f64) -> Option<LineSide> {
 }
 
 /// The pose in space of a ruling, at the foot of a point.
-fn pose(r: &Ruling, turned_over: bool, origin: &Vec2) -> Option<Pose> {
+fn pose(r: &DevelopedRuling, turned_over: bool, origin: &Vec2) -> Option<Pose> {
     let ([a, b], [p, q]) =
         if turned_over { ([r.space[1], r.space[0]], [r.flat[1], r.flat[0]]) } else { (r.space, r.flat) };
     let (e, way) = ((b - a).try_normalize(0.0)?, (q - p).try_normalize(0.0)?);

@@ -11,7 +11,7 @@ use crate::geom::{Vec2, Vec3};
 use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::pattern::Bend;
 use crate::spline::surface::Surface;
-pub(crate) use dense::{dense, dense_cells, Cell, Ruling};
+pub(crate) use dense::{dense, dense_cells, Cell, DevelopedRuling};
 pub(crate) use turn_profile::{ProfileLine, TurnProfile};
 
 /// How far apart rulings are drawn.

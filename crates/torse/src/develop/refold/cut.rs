@@ -10,7 +10,7 @@ const ONE_PLACE: f64 = 1e-9;
 
 /// A region that is left between chords.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Region {
+pub struct CutRegion {
     /// The outer polygon counter-clockwise, then holes clockwise.
     pub loops: Vec<Vec<Vec2>>,
     /// Chords on its border, and whether the region lies to their left.
@@ -33,7 +33,7 @@ type Crossing = (i64, f64, usize, usize);
 ///
 /// *Method*: a chord is run through in both directions; at both of its ends the border turns into it, so that borders come
 /// apart or together as they must, holes included.
-pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
+pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<CutRegion> {
     let (lo, hi) = bounds(loops);
     let one = ONE_PLACE * (hi - lo).norm();
     let mut chords = chords.to_vec();
@@ -119,14 +119,14 @@ fn side_of(loops: &[Vec<Vec2>], chord: &[Vec2; 2], end: usize, one: f64) -> Opti
 }
 
 /// Borders as regions: outer ones with the holes that lie in them.
-fn gathered(nodes: &[Node]) -> Vec<Region> {
+fn gathered(nodes: &[Node]) -> Vec<CutRegion> {
     let mut seen = vec![false; nodes.len()];
-    let (mut out, mut holes): (Vec<Region>, Vec<Region>) = (Vec::new(), Vec::new());
+    let (mut out, mut holes): (Vec<CutRegion>, Vec<CutRegion>) = (Vec::new(), Vec::new());
     for start in 0..nodes.len() {
         if seen[start] {
             continue;
         }
-        let mut one = Region::default();
+        let mut one = CutRegion::default();
         let mut border = Vec::new();
         let mut k = start;
         while !seen[k] {
@@ -145,7 +145,7 @@ fn gathered(nodes: &[Node]) -> Vec<Region> {
     }
     for hole in holes {
         let x = hole.loops[0][0];
-        let holds = |r: &&mut Region| inside(&r.loops[..1], &x);
+        let holds = |r: &&mut CutRegion| inside(&r.loops[..1], &x);
         // Of nested regions the least one; a hole on the border of one belongs to the nearest.
         let within = out.iter_mut().filter(|r| holds(r)).min_by(|a, b| area(&a.loops[0]).total_cmp(&area(&b.loops[0])));
         let home = match within {
@@ -168,7 +168,7 @@ mod tests {
         vec![Vec2::new(a, c), Vec2::new(b, c), Vec2::new(b, d), Vec2::new(a, d)]
     }
 
-    fn total(r: &Region) -> f64 {
+    fn total(r: &CutRegion) -> f64 {
         r.loops.iter().map(|l| area(l)).sum()
     }
 

@@ -5,7 +5,7 @@
 //! rulings are laid as over a part that bends about one family. The lines of a face stand for equal turns, so that the turn up to
 //! its first line and behind its last one are known: what the family gives there is brought to these.
 
-use super::cut::{cut, Region};
+use super::cut::{cut, CutRegion};
 use super::drawn::{FlatPart, SheetRow, ROUNDED};
 use super::lines::whole_lines;
 use super::one_family::rulings;
@@ -47,7 +47,7 @@ pub(super) fn rolled(part: &FlatPart, row: &SheetRow) -> Result<Option<Rolled>, 
     let inner = middles(&lines_of(part, row)?);
     let (Some(first), Some(last)) = (inner.first(), inner.last()) else { return Ok(None) };
     let ends = ends(part);
-    let holds = |r: &Region| inner.iter().all(|q| inside(&r.loops, q));
+    let holds = |r: &CutRegion| inner.iter().all(|q| inside(&r.loops, q));
     let region =
         cut(&part.loops, &ends).into_iter().find(holds).ok_or(RefoldError::Ends { line: row.lines.start + 1 })?;
     // Lines of other faces in the region: what lies between is not drawn. A sharp bend may be on its edge.

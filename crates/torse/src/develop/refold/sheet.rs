@@ -6,7 +6,7 @@
 //! radius, in one away from the eye that and the thickness, while the drawing has the length of the neutral fibre. Where the
 //! outside of a sharp bend is drawn, the skin is longer than the drawing: both regions go on beyond the line to their edge.
 
-use super::cut::{cut, Region};
+use super::cut::{cut, CutRegion};
 use super::drawn::FlatPart;
 use super::leaf::{Leaf, Refolded};
 use super::one_family::plane_ribbon;
@@ -129,14 +129,14 @@ enum Put {
 }
 
 /// Regions in space, from the largest plane one on.
-fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) -> Result<Vec<Leaf>, RefoldError> {
-    let zone_of = |r: &Region| {
+fn placed((zones, edges, regions): (&[Zone], &[Edge], &[CutRegion]), printed: f64) -> Result<Vec<Leaf>, RefoldError> {
+    let zone_of = |r: &CutRegion| {
         let by_chord = |(c, left): &(usize, bool)| edges[*c].side(*left).map(|end| end.0);
         // A part that is bent from end to end has no chord at all.
         let holds = |z: &Zone| z.inner.iter().any(|q| inside(&r.loops, q));
         r.chords.iter().find_map(by_chord).or_else(|| zones.iter().position(holds))
     };
-    let size = |r: &Region| r.loops.iter().map(|l| area(l)).sum::<f64>();
+    let size = |r: &CutRegion| r.loops.iter().map(|l| area(l)).sum::<f64>();
     let root = (0..regions.len())
         .filter(|k| zone_of(&regions[*k]).is_none())
         .max_by(|a, b| size(&regions[*a]).total_cmp(&size(&regions[*b])))
@@ -207,7 +207,7 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
 }
 
 /// The loops of a plane region, as far as the skin goes beyond its bend lines.
-fn to_edges(zones: &[Zone], edges: &[Edge], region: &Region) -> Vec<Vec<Vec2>> {
+fn to_edges(zones: &[Zone], edges: &[Edge], region: &CutRegion) -> Vec<Vec<Vec2>> {
     let mut loops = region.loops.clone();
     for (c, left) in &region.chords {
         let Some((zone, back)) = edges[*c].fold else { continue };

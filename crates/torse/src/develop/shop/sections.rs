@@ -28,7 +28,7 @@ pub(crate) struct SectionPlane {
 /// Halvings of a stretch of rulings at most: a section nearly along the rulings crosses them all at once.
 const DEEPEST: usize = 40;
 /// Points of one section on one panel at most: no drawing needs more, and no file can exhaust the memory.
-const MOST: usize = 4000;
+const MOST_POINTS: usize = 4000;
 /// Steps by which a ruling is found whose end lies in the plane.
 const STEPS: usize = 80;
 /// Distance of the lines and arcs drawn for a section from its chords, against that of these from the section: arcs are told from
@@ -184,7 +184,7 @@ fn follow(place: &dyn Fn(f64) -> Vec2, range: (f64, f64), tolerance: f64, out: &
             }
         };
         let worst = [0.3, 0.5, 0.7].map(|x| off(a + (b - a) * x)).into_iter().fold(0.0, f64::max);
-        if worst > tolerance && depth < DEEPEST && out.len() + open.len() < MOST {
+        if worst > tolerance && depth < DEEPEST && out.len() + open.len() < MOST_POINTS {
             let m = 0.5 * (a + b);
             open.push((m, b, depth + 1));
             open.push((a, m, depth + 1));

@@ -1,7 +1,7 @@
 //! Where a piece is bent: centre lines and extents, angles, radii, allowances, and an order to bend in.
 
 use super::chart::{FlatRuling, Stretch};
-use super::region::{Region, POINT};
+use super::region::{FlatRegion, POINT};
 use super::tree::{Placed, UnfoldedPiece};
 use crate::brep::body::Body;
 use crate::brep::recognised_surface::RecognisedSurface;
@@ -244,7 +244,7 @@ fn of_face(
         true => BendKind::Bend,
         false => BendKind::Rolled,
     };
-    let region = Region::of(body, placed.face, &placed.chart);
+    let region = FlatRegion::of(body, placed.face, &placed.chart);
     // Ends of faces in a point are no lines.
     let is_line = |h: &usize| piece.inner.contains(h) && body.halves[*h].length > POINT * body.size;
     let extents = body.of_face(placed.face).filter(is_line);
@@ -299,7 +299,7 @@ fn of_face(
 fn cells(
     piece: &UnfoldedPiece,
     placed: &Placed,
-    region: &Region,
+    region: &FlatRegion,
     (stretches, spacing): (&[Stretch], &BendSpacing),
 ) -> Vec<Cell> {
     if spacing.facets.is_some() || !spacing.within.is_finite() {
@@ -332,7 +332,7 @@ struct Drawn {
 impl Drawn {
     fn of(
         placed: &Placed,
-        region: &Region,
+        region: &FlatRegion,
         (stretch, kind, before): (&Stretch, BendKind, f64),
         (cylinder, spacing, cells): (bool, &BendSpacing, &[Cell]),
     ) -> Self {
@@ -375,7 +375,7 @@ fn surface_radius(ruling: &FlatRuling, p: &Vec2) -> f64 {
 }
 
 /// Number of lines of a stretch of a rolled face, by its middle ruling.
-fn rolled_lines(placed: &Placed, region: &Region, stretch: &Stretch, spacing: &BendSpacing) -> usize {
+fn rolled_lines(placed: &Placed, region: &FlatRegion, stretch: &Stretch, spacing: &BendSpacing) -> usize {
     let whole = placed.chart.turn();
     let turn = whole * (stretch.turn[1] - stretch.turn[0]);
     // Breadth across the rulings: area over the length of the middle ruling.
@@ -395,7 +395,12 @@ fn radii_at(placed: &Placed, ruling: &FlatRuling, ends: [Vec2; 2]) -> [f64; 2] {
 }
 
 /// The stretches of rulings inside a region, with their bends, after a turn (rad); of cylinders the radius (mm) is known.
-fn lines_of(placed: &Placed, region: &Region, (rulings, before): (Vec<FlatRuling>, f64), radius: Option<f64>) -> Lines {
+fn lines_of(
+    placed: &Placed,
+    region: &FlatRegion,
+    (rulings, before): (Vec<FlatRuling>, f64),
+    radius: Option<f64>,
+) -> Lines {
     let (mut lines, mut bends, mut turned) = (Vec::new(), Vec::new(), before);
     // What the radii are of: the inside of a body's cylinder, its neutral fibre elsewhere, and surfaces that were given a thickness
     // themselves.

@@ -7,7 +7,7 @@ use crate::geom::Vec2;
 
 /// Sampled loops of a face in the plane.
 #[derive(Clone, Debug, Default)]
-pub struct Region {
+pub struct FlatRegion {
     /// Closed polygons; the outer one counter-clockwise, holes clockwise.
     pub loops: Vec<Vec<Vec2>>,
     /// Corner of the box around them with the smallest coordinates.
@@ -67,7 +67,7 @@ const POINTS: usize = 48;
 /// Stretches of lines below this share of a region are none: sides without length, as at an apex, are met by chance.
 const SHORT: f64 = 1e-6;
 
-impl Region {
+impl FlatRegion {
     /// The region of a face of a body under its chart.
     pub fn of(body: &Body, face: usize, chart: &Chart) -> Self {
         let mut loops: Vec<Vec<Vec2>> = Vec::new();

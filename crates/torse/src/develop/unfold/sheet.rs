@@ -6,7 +6,7 @@
 //! leaves out those that also touch the other skin there: these are the edges of the sheet.
 
 use super::chart::Chart;
-use super::region::Region;
+use super::region::FlatRegion;
 use crate::brep::area::area_estimate;
 use crate::brep::body::{Body, SMOOTH};
 use crate::brep::project::SurfaceProjector;
@@ -252,8 +252,8 @@ impl Partners {
 fn opposite(body: &Body) -> Vec<Opposite> {
     let charts: Vec<Option<Chart>> =
         body.faces.iter().zip(&body.recognised).map(|(f, c)| Chart::of(f, c, 0.0)).collect();
-    let regions: Vec<Option<Region>> =
-        charts.iter().enumerate().map(|(k, c)| c.as_ref().map(|c| Region::of(body, k, c))).collect();
+    let regions: Vec<Option<FlatRegion>> =
+        charts.iter().enumerate().map(|(k, c)| c.as_ref().map(|c| FlatRegion::of(body, k, c))).collect();
     let projectors: Vec<Option<SurfaceProjector>> = (body.faces.iter().zip(&body.recognised))
         .map(|(f, c)| (c.is_developable() && !is_elementary(c)).then(|| SurfaceProjector::new(&f.surface)))
         .collect();
@@ -296,7 +296,7 @@ fn is_elementary(c: &RecognisedSurface) -> bool {
 fn places(body: &Body, face: usize) -> Vec<[f64; 2]> {
     let loops = body.faces[face].loops.iter();
     let loops = loops.map(|l| l.points.iter().map(|p| crate::geom::Vec2::new(p[0], p[1])).collect()).collect();
-    Region::from_loops(loops).inner_points().into_iter().map(|p| [p.x, p.y]).collect()
+    FlatRegion::from_loops(loops).inner_points().into_iter().map(|p| [p.x, p.y]).collect()
 }
 
 /// Distance (mm) into the material from a point of a face with its outward normal to another elementary surface, if the

@@ -2,7 +2,7 @@
 
 use crate::brep::face::Face;
 use crate::brep::raw::SurfaceKind;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, RawRegion, SurfaceDeviation};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::SupportSurface;
 use crate::brep::trim::faces;
@@ -45,7 +45,7 @@ fn raw(support: SupportSurface, kind: SurfaceKind, same_sense: bool, loops: Vec<
         kind,
         support,
         same_sense,
-        region: Region::Loops(loops),
+        region: RawRegion::Loops(loops),
         surface_deviation: SurfaceDeviation::NONE,
         uncertainty: 0.0,
     };
@@ -274,7 +274,7 @@ fn raw_rectangle(support: SupportSurface, kind: SurfaceKind, sides: [(f64, f64);
         kind,
         support,
         same_sense: true,
-        region: Region::Rectangle(sides),
+        region: RawRegion::Rectangle(sides),
         surface_deviation: SurfaceDeviation::NONE,
         uncertainty: 0.0,
     };

@@ -3,7 +3,7 @@
 
 use super::allowance::{Fibre, KFactor};
 use super::chart::{middle_radius, Chart};
-use super::region::{Motion, Region, POINT};
+use super::region::{FlatRegion, Motion, POINT};
 use crate::brep::body::{Body, Meeting, SMOOTH};
 use crate::develop::shop::thickness::SheetSide;
 use crate::geom::{BBox, Vec2, Vec3};
@@ -66,7 +66,7 @@ pub struct Placed {
     /// Where the map's image lies in the piece.
     pub motion: Motion,
     /// The image, sampled.
-    pub region: Region,
+    pub region: FlatRegion,
     /// Steps from the root of the tree.
     pub steps: usize,
     /// The run of the face before by which it is joined.
@@ -160,7 +160,7 @@ const PLACES: usize = 7;
 /// A face with its map, ready to be placed.
 struct Ready {
     chart: Chart,
-    region: Region,
+    region: FlatRegion,
     /// Of the region, mm².
     area: f64,
     /// Of its border, in space.
@@ -274,7 +274,7 @@ fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> 
     let inside_radius = fibre.inside(radius, hollow).max(0.0);
     let chart = Chart::in_sheet(f, recognised, &fibre)?;
     let chart = chart.in_strips(recognised, options.tolerance);
-    let region = Region::of(body, face, &chart);
+    let region = FlatRegion::of(body, face, &chart);
     let k = fibre.share(radius, hollow);
     let is_given = options.side.is_some();
     let (area, middle) = (region.area(), middle(body, face));
@@ -303,7 +303,7 @@ fn have_room(body: &Body, skin: &[usize], options: &UnfoldOptions) -> bool {
     let Some(side) = options.side else { return true };
     skin.iter().all(|&face| {
         let Some(chart) = Chart::of(body.faces[face], &body.recognised[face], 0.0) else { return true };
-        let (region, thickness) = (Region::of(body, face, &chart), options.thickness[face]);
+        let (region, thickness) = (FlatRegion::of(body, face, &chart), options.thickness[face]);
         let fibre = Fibre { k: options.k.clone(), thickness, above: side.extent(thickness)[1] };
         chart.rulings(LOOKS).iter().all(|r| {
             let mut ends = region.own_lines(r).into_iter().flatten();

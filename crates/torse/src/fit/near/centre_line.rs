@@ -5,13 +5,13 @@
 //! corners, on the second-order Taylor extension of the surface. How a line waves says how many spans a torse along it
 //! needs (cubic splines by least squares over the arc length).
 
-use super::dual::CentrePoint;
 use super::tangent_envelope::ROUNDING;
 use crate::geom::Vec3;
 use crate::spline::field::Field;
 use crate::spline::knots::Knots;
 use crate::spline::lsq::{chord_parameters, fit};
 use crate::spline::surface::Surface;
+use crate::torse::form::Ruling;
 
 /// Steps of the trace over the diagonal of the region.
 const STEPS: usize = 60;
@@ -27,18 +27,18 @@ pub(crate) fn centre_line(
     bounds: [f64; 4],
     seed: [f64; 2],
     size: f64,
-) -> Vec<CentrePoint> {
+) -> Vec<Ruling> {
     let level = field.value(seed);
     let (mu, mv) = (BEYOND * (bounds[1] - bounds[0]), BEYOND * (bounds[3] - bounds[2]));
     let outside =
         |p: [f64; 2]| p[0] < bounds[0] - mu || p[0] > bounds[1] + mu || p[1] < bounds[2] - mv || p[1] > bounds[3] + mv;
     let step = size / STEPS as f64;
-    let mut halves: [Vec<CentrePoint>; 2] = [Vec::new(), Vec::new()];
+    let mut halves: [Vec<Ruling>; 2] = [Vec::new(), Vec::new()];
     for (half, sign) in halves.iter_mut().zip([1.0, -1.0]) {
         let mut p = seed;
         for k in 0..4 * STEPS {
             if k > 0 || sign > 0.0 {
-                half.extend(point(surface, field, p));
+                half.extend(ruling(surface, field, p));
             }
             let Some(mid) = advance(surface, field, p, 0.5 * step * sign, p) else { break };
             let Some(mut next) = advance(surface, field, p, step * sign, mid) else { break };
@@ -63,8 +63,8 @@ pub(crate) fn centre_line(
     // Reversed half: its curve direction is opposite, its rulings are oriented by the first direction anyway.
     line.extend(forward);
     for k in 1..line.len() {
-        if line[k].ruling.dot(&line[k - 1].ruling) < 0.0 {
-            line[k].ruling = -line[k].ruling;
+        if line[k].direction.dot(&line[k - 1].direction) < 0.0 {
+            line[k].direction = -line[k].direction;
         }
     }
     if line.len() < 4 {
@@ -82,7 +82,7 @@ fn advance(surface: &Surface, field: &Field, p: [f64; 2], length: f64, at: [f64;
 }
 
 /// Tangent plane and conjugate direction at a point of the level curve.
-fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
+fn ruling(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<Ruling> {
     let j = surface.extended_jet(p[0], p[1]);
     let n = j.normal();
     if n.norm() <= ROUNDING * j.du.norm() * j.dv.norm() {
@@ -93,16 +93,16 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
     let [_, fu, fv] = field.jet(p[0], p[1]);
     // T = (φ_v, −φ_u); the conjugate (a, b) solves II(T, (a, b)) = 0.
     let (a, b) = (m * fv - k * fu, -(l * fv - m * fu));
-    let ruling: Vec3 = j.du * a + j.dv * b;
-    let size = ruling.norm();
-    (size > 0.0 && size.is_finite()).then(|| CentrePoint { x: j.p, n, ruling: ruling / size })
+    let direction: Vec3 = j.du * a + j.dv * b;
+    let size = direction.norm();
+    (size > 0.0 && size.is_finite()).then(|| Ruling { point: j.p, direction: direction / size, normal: n })
 }
 
 /// Number of equal spans of a cubic spline that follows a centre line within a distance (mm), on a stretch of it as long
 /// as `extent` (mm); no more than `most`. *Not guaranteed*: the fewest; numbers rise by a quarter, and only the points of the
 /// line are looked at.
-pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64, most: usize) -> usize {
-    let points: Vec<[f64; 3]> = line.iter().map(|p| p.x.into()).collect();
+pub(crate) fn spans_along(line: &[Ruling], distance: f64, extent: f64, most: usize) -> usize {
+    let points: Vec<[f64; 3]> = line.iter().map(|r| r.point.into()).collect();
     let parameters = chord_parameters(&points);
     // Too few points, or none that differ, ask for nothing.
     let follows = |spans: usize| {
@@ -115,15 +115,15 @@ pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64, most
     while spans < most && !follows(spans) {
         spans += spans.div_ceil(4);
     }
-    let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
+    let length: f64 = line.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum();
     (spans as f64 * (extent / length).min(1.0)).ceil().min(most as f64) as usize
 }
 
 /// Whether the normal curvature of a centre line changes its sign, its points being about equally spaced; curvatures below
 /// a tenth of the largest do not count.
-pub(crate) fn has_inflection(line: &[CentrePoint]) -> bool {
+pub(crate) fn has_inflection(line: &[Ruling]) -> bool {
     const LEAST_BEND: f64 = 0.1;
-    let bend = |w: &[CentrePoint]| w[1].n.dot(&(w[0].x - w[1].x * 2.0 + w[2].x));
+    let bend = |w: &[Ruling]| w[1].normal.dot(&(w[0].point - w[1].point * 2.0 + w[2].point));
     let (lo, hi) = line.windows(3).map(bend).fold((0.0_f64, 0.0_f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
     (-lo).min(hi) > LEAST_BEND * (-lo).max(hi)
 }
@@ -135,10 +135,10 @@ mod tests {
     /// A wave needs about as many spans as the error of cubic splines says: h⁴ times the fourth derivative over 384.
     #[test]
     fn waves_need_more_spans_than_arcs() {
-        let line = |f: &dyn Fn(f64) -> f64| -> Vec<CentrePoint> {
+        let line = |f: &dyn Fn(f64) -> f64| -> Vec<Ruling> {
             let point = |i: i32| {
                 let x = f64::from(i) / 200.0;
-                CentrePoint { x: Vec3::new(x, 0.0, f(x)), n: Vec3::z(), ruling: Vec3::y() }
+                Ruling { point: Vec3::new(x, 0.0, f(x)), direction: Vec3::y(), normal: Vec3::z() }
             };
             (0..=200).map(point).collect()
         };

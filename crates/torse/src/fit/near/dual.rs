@@ -14,18 +14,7 @@ use crate::geom::{BBox, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::knots::Knots;
 use crate::spline::pieces::Pieces;
-use crate::torse::form::{DualTorse, PanelKind, Torse};
-
-/// A point of a strip's centre line with its tangent plane and ruling.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CentrePoint {
-    /// Position, mm.
-    pub x: Vec3,
-    /// Unit normal of the tangent plane, continuous along the line.
-    pub n: Vec3,
-    /// Unit direction of the ruling (conjugate to the line); its sign does not matter.
-    pub ruling: Vec3,
-}
+use crate::torse::form::{DualTorse, PanelKind, Ruling, Torse};
 
 /// Options of [`dual`].
 #[derive(Clone, Debug)]
@@ -93,14 +82,14 @@ impl Scale {
 }
 
 /// The dual torse nearest to the samples of a strip in the sense of the largest distance, started from the tangent
-/// planes along `centre`.
+/// planes along `centre`: rulings at points of a centre line, conjugate to it.
 ///
-/// *Input*: at least 6 samples and 4 centre points in order along the strip; the line should run nearly the whole
-/// length of the strip. *Result*: a fit whose domain reaches beyond all feet and whose regression curve is clear of all
+/// *Input*: at least 6 samples and 4 rulings in order along the strip, with normals that are continuous along it (directions may
+/// have any sign); the line should run nearly the whole length of the strip. *Result*: a fit whose domain reaches beyond all feet and whose regression curve is clear of all
 /// samples; of several starts the first wins whose fit has the room that is needed, and no other is tried after a fit that is
 /// too far away for room to matter. `None` if no regular start exists (inflections, asymptotic centre lines, foldings), or
 /// with too few or invalid data. *Not guaranteed*: that the error is within the tolerance, or that the room wanted is kept.
-pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -> Option<Fit> {
+pub fn dual(samples: &[Sample], centre: &[Ruling], options: &DualOptions) -> Option<Fit> {
     // Shares of the parameter range by which the start reaches beyond the centre line, with weights of third
     // differences: light ones leave the data alone to about their cube, heavy ones iron out a wavy centre line.
     const STARTS: [(f64, f64); 4] = [(0.12, 1e-3), (0.4, 1e-3), (0.12, 1.0), (0.4, 1.0)];
@@ -129,13 +118,13 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
 /// The envelope of the tangent planes along `centre` as a cubic spline of planes with `spans` spans, exactly developable,
 /// least-squares near the given planes; its domain reaches beyond both ends of the line by `reach` of its range.
 /// `None` for fewer than four points, or planes that do not turn.
-pub(crate) fn envelope(centre: &[CentrePoint], spans: usize, reach: f64) -> Option<Torse> {
+pub(crate) fn envelope(centre: &[Ruling], spans: usize, reach: f64) -> Option<Torse> {
     // Third differences of the planes count as little as in the first start of [`dual`].
     const SMOOTH: f64 = 1e-3;
     if centre.len() < 4 {
         return None;
     }
-    let bbox = BBox::of(centre.iter().map(|c| &c.x));
+    let bbox = BBox::of(centre.iter().map(|c| &c.point));
     let scale = Scale { center: bbox.center(), unit: 0.5 * bbox.diagonal() };
     let parameters = strip_parameters(centre, scale.unit)?;
     let pieces = start_planes(centre, &parameters, &scale, spans.max(4), reach, SMOOTH)?;
@@ -147,11 +136,11 @@ pub(crate) fn envelope(centre: &[CentrePoint], spans: usize, reach: f64) -> Opti
 }
 
 /// Parameters in [0, 1]: normalised arc length plus normalised length of the Gauss image.
-fn strip_parameters(centre: &[CentrePoint], unit: f64) -> Option<Vec<f64>> {
+fn strip_parameters(centre: &[Ruling], unit: f64) -> Option<Vec<f64>> {
     let mut sums = vec![(0.0, 0.0)];
     for w in centre.windows(2) {
         let (s, g) = sums[sums.len() - 1];
-        sums.push((s + (w[1].x - w[0].x).norm() / unit, g + (w[1].n - w[0].n).norm()));
+        sums.push((s + (w[1].point - w[0].point).norm() / unit, g + (w[1].normal - w[0].normal).norm()));
     }
     let (length, turn) = sums[sums.len() - 1];
     if !(length > 0.0 && turn > 0.0 && (length + turn).is_finite()) {
@@ -163,7 +152,7 @@ fn strip_parameters(centre: &[CentrePoint], unit: f64) -> Option<Vec<f64>> {
 
 /// Least-squares spline through the tangent planes, on a domain that reaches beyond [0, 1].
 fn start_planes(
-    centre: &[CentrePoint],
+    centre: &[Ruling],
     parameters: &[f64],
     scale: &Scale,
     spans: usize,
@@ -180,7 +169,7 @@ fn start_planes(
         rows.push(b.first).1.copy_from_slice(&b.rows[0][..4]);
         let i = rows.len() - 1;
         matrix.add_row(&rows, i, 1.0);
-        let plane = scale.plane(&[c.n.x, c.n.y, c.n.z, c.n.dot(&c.x)]);
+        let plane = scale.plane(&[c.normal.x, c.normal.y, c.normal.z, c.normal.dot(&c.point)]);
         for (out, value) in right.iter_mut().zip(plane) {
             rows.scatter(i, value, out);
         }

@@ -9,32 +9,21 @@
 //!
 //! Knows nothing of faces and panels. What it says about distances is sampled; see `certify` for proofs.
 
-use super::dual::CentrePoint;
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
+use crate::torse::form::Ruling;
 
-/// A point of a curve on a surface with the ruling of the envelope there.
+/// The ruling of the envelope at a point of a curve on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RulingPoint {
-    /// Parameters on the surface.
+pub struct EnvelopeRuling {
+    /// Parameters of the point on the surface.
     pub uv: [f64; 2],
-    /// Position, mm.
-    pub x: Vec3,
-    /// Unit normal.
-    pub n: Vec3,
-    /// Unit direction of the ruling, oriented so that curve direction, ruling and normal are right-handed.
-    pub ruling: Vec3,
+    /// The ruling at the point, with the surface's normal, oriented so that curve direction, ruling and normal are right-handed.
+    pub ruling: Ruling,
     /// Normal curvature along the curve, 1/mm.
     pub curvature: f64,
     /// Normal curvature along the ruling, 1/mm.
     pub across: f64,
-}
-
-impl RulingPoint {
-    /// Position, plane and ruling alone.
-    pub fn centre(&self) -> CentrePoint {
-        CentrePoint { x: self.x, n: self.n, ruling: self.ruling }
-    }
 }
 
 /// Why a curve has no envelope, or none that could be a panel.
@@ -76,7 +65,7 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 ///
 /// # Errors
 /// [`AlongError`] with the place: no length, no normal, no turning plane, an asymptotic direction.
-pub fn envelope_along(surface: &Surface, line: &[[f64; 2]]) -> Result<Vec<RulingPoint>, AlongError> {
+pub fn envelope_along(surface: &Surface, line: &[[f64; 2]]) -> Result<Vec<EnvelopeRuling>, AlongError> {
     let n = line.len();
     if n < 3 || line.iter().flatten().any(|x| !x.is_finite()) || line.windows(2).all(|w| w[0] == w[1]) {
         return Err(AlongError::Empty);
@@ -100,7 +89,7 @@ fn tangent(line: &[[f64; 2]], i: usize) -> [f64; 2] {
 }
 
 /// The ruling of the envelope at `uv` for the curve direction `t` in the parameter plane.
-fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result<RulingPoint, AlongError> {
+fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result<EnvelopeRuling, AlongError> {
     let j = surface.extended_jet(uv[0], uv[1]);
     let n = j.normal();
     if n.norm().is_nan() || n.norm() <= ROUNDING * j.du.norm() * j.dv.norm() {
@@ -124,18 +113,16 @@ fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result
     if w.norm().is_nan() || w.norm() <= ROUNDING * largest.max(f64::MIN_POSITIVE) * speed * cross {
         return Err(AlongError::Flat { share });
     }
-    let ruling = w.normalize();
-    let sine = along.cross(&ruling).dot(&n) / speed;
+    let direction = w.normalize();
+    let sine = along.cross(&direction).dot(&n) / speed;
     if sine.abs() < LEAST_SINE {
         return Err(AlongError::Asymptotic { share });
     }
     let ab = [-co[1] / w.norm(), co[0] / w.norm()];
     let form = |a: [f64; 2]| second[0] * a[0] * a[0] + 2.0 * second[1] * a[0] * a[1] + second[2] * a[1] * a[1];
-    Ok(RulingPoint {
+    Ok(EnvelopeRuling {
         uv,
-        x: j.p,
-        n,
-        ruling: if sine < 0.0 { -ruling } else { ruling },
+        ruling: Ruling { point: j.p, direction: if sine < 0.0 { -direction } else { direction }, normal: n },
         curvature: form(t) / (speed * speed),
         across: form(ab),
     })
@@ -143,7 +130,7 @@ fn ruling_at(surface: &Surface, uv: [f64; 2], t: [f64; 2], share: f64) -> Result
 
 /// The point of the surface in the plane square to the ruling at distance `r` along it, nearest to the ruling, and its
 /// distance from it. `start`: parameters near by.
-pub(crate) fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]) -> Option<([f64; 2], f64)> {
+pub(crate) fn beside(surface: &Surface, p: &EnvelopeRuling, r: f64, start: [f64; 2]) -> Option<([f64; 2], f64)> {
     // Each step leaves about the square of the turn of the tangent plane.
     const STEPS: usize = 30;
     const SETTLED: f64 = 1e-12;
@@ -151,13 +138,14 @@ pub(crate) fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]
     // plane.
     const REACHED: f64 = 1e-6;
     let mut uv = start;
-    let e = p.x + p.ruling * r;
+    let Ruling { point, direction, .. } = p.ruling;
+    let e = p.ruling.at(r);
     for _ in 0..STEPS {
         let j = surface.extended_jet(uv[0], uv[1]);
-        let side = j.normal().cross(&p.ruling).try_normalize(0.0)?;
+        let side = j.normal().cross(&direction).try_normalize(0.0)?;
         let rest = j.p - e;
-        let (g, h) = (-p.ruling.dot(&rest), -side.dot(&rest));
-        let (a, b, c, d) = (p.ruling.dot(&j.du), p.ruling.dot(&j.dv), side.dot(&j.du), side.dot(&j.dv));
+        let (g, h) = (-direction.dot(&rest), -side.dot(&rest));
+        let (a, b, c, d) = (direction.dot(&j.du), direction.dot(&j.dv), side.dot(&j.du), side.dot(&j.dv));
         let det = a * d - b * c;
         let step = [(g * d - b * h) / det, (a * h - c * g) / det];
         if !step.iter().all(|s| s.is_finite()) {
@@ -169,15 +157,15 @@ pub(crate) fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]
         }
     }
     let j = surface.extended_jet(uv[0], uv[1]);
-    let v = j.p - p.x;
-    let distance = (v - p.ruling * v.dot(&p.ruling)).norm();
-    let off = (v.dot(&p.ruling) - r).abs();
+    let v = j.p - point;
+    let distance = (v - direction * v.dot(&direction)).norm();
+    let off = (v.dot(&direction) - r).abs();
     (off <= REACHED * (1.0 + r.abs()) && distance.is_finite()).then_some((uv, distance))
 }
 
 /// Distances along the ruling, `[backward, forward]` (both positive, mm), up to which the surface stays within
 /// `tolerance` of it; at most `reach`.
-pub fn interval(surface: &Surface, p: &RulingPoint, tolerance: f64, reach: f64) -> [f64; 2] {
+pub fn interval(surface: &Surface, p: &EnvelopeRuling, tolerance: f64, reach: f64) -> [f64; 2] {
     // Steps up to the interval of the second-order theory, and bisections of the last step.
     const STEPS: f64 = 8.0;
     const BISECTIONS: usize = 30;
@@ -210,7 +198,7 @@ pub fn interval(surface: &Surface, p: &RulingPoint, tolerance: f64, reach: f64) 
 }
 
 /// Parameters of the surface beside the ruling at distance `r`, reached in steps from the curve.
-pub fn walked(surface: &Surface, p: &RulingPoint, r: f64) -> Option<[f64; 2]> {
+pub fn walked(surface: &Surface, p: &EnvelopeRuling, r: f64) -> Option<[f64; 2]> {
     const STEPS: usize = 4;
     let mut uv = p.uv;
     for k in 1..=STEPS {
@@ -256,7 +244,7 @@ pub fn smoothed(c: &[[f64; 2]], q: &[[f64; 2]], weight: f64) -> Vec<[f64; 2]> {
 /// parameter quadrangles between rulings, each divided in `2^m` along every half ruling, against the ruled pieces
 /// between the rulings' ends, split at the curve. Sampled at `3 × 3` points per quadrangle. It counts the mismatch
 /// along the surface too, so it exceeds the distance unless rulings are dense.
-pub fn paper_estimate(surface: &Surface, points: &[RulingPoint], ends: &[[f64; 2]], m: u32) -> f64 {
+pub fn paper_estimate(surface: &Surface, points: &[EnvelopeRuling], ends: &[[f64; 2]], m: u32) -> f64 {
     const INSIDE: usize = 2;
     let parts = 1usize << m.min(6);
     // Both halves of each ruling: parameter points at equal parts of the minimal interval.
@@ -269,7 +257,7 @@ pub fn paper_estimate(surface: &Surface, points: &[RulingPoint], ends: &[[f64; 2
                 let share = k as f64 / parts as f64 - 1.0;
                 let at = if share < 0.0 { -share * -r[0] } else { share * r[1] };
                 let uv = walked(surface, p, at).unwrap_or(p.uv);
-                row.push((uv, p.x + p.ruling * at));
+                row.push((uv, p.ruling.at(at)));
             }
             row
         })
@@ -315,7 +303,7 @@ mod tests {
         let (s, b, eps) = (quadric(1.0, 0.5), 0.5_f64, 1e-3);
         let p = envelope_along(&s, &line(|t| [t, 0.0])).expect("envelope");
         let middle = p[10];
-        assert!((middle.ruling - Vec3::y()).norm() < 1e-12 && (middle.across - b).abs() < 1e-12);
+        assert!((middle.ruling.direction - Vec3::y()).norm() < 1e-12 && (middle.across - b).abs() < 1e-12);
         let want = (2.0 * eps / b).sqrt();
         for r in interval(&s, &middle, eps, 10.0) {
             assert!((r - want).abs() < 1e-6 * want, "{r} {want}");
@@ -331,8 +319,8 @@ mod tests {
         let l = line(|t| [t, 0.3 * t + 0.1 * t * t]);
         let p = envelope_along(&s, &l).expect("envelope");
         for w in p.windows(3).skip(1).take(15) {
-            let w_paper = w[1].n.cross(&(w[2].n - w[0].n)).normalize();
-            assert!(w_paper.cross(&w[1].ruling).norm() < 2e-3);
+            let w_paper = w[1].ruling.normal.cross(&(w[2].ruling.normal - w[0].ruling.normal)).normalize();
+            assert!(w_paper.cross(&w[1].ruling.direction).norm() < 2e-3);
         }
     }
 

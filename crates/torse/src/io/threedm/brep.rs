@@ -7,7 +7,7 @@ use super::bytes::{fault, Cursor, Fault, Reading};
 use super::curves;
 use super::records;
 use super::surfaces;
-use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region, SurfaceDeviation};
+use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, RawRegion, SurfaceDeviation};
 use crate::brep::space_curve::Arc;
 use crate::brep::support_surface::SupportSurface;
 use crate::spline::surface::Surface;
@@ -162,7 +162,7 @@ impl Brep {
             kind: patch.kind,
             support: patch.support.clone(),
             same_sense: face.reversed == patch.flipped,
-            region: Region::Loops(loops),
+            region: RawRegion::Loops(loops),
             surface_deviation: SurfaceDeviation::NONE,
             uncertainty,
         })

@@ -4,7 +4,7 @@ use super::bytes::{fault, Cursor, Reading};
 use super::curves;
 use super::records;
 use crate::brep::raw::SurfaceKind;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceDeviation};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, RawRegion, SurfaceDeviation};
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::SupportSurface;
@@ -177,7 +177,7 @@ impl Extrusion {
         // Outward with the material inside the outer profile; the file may count the path first where there are no caps.
         let outward = !self.transposed || self.caps.contains(&true);
         if self.slopes.iter().flatten().all(|s| s.abs() <= 0.0) {
-            let region = Region::Rectangle([(straight.from, straight.to), (0.0, 1.0)]);
+            let region = RawRegion::Rectangle([(straight.from, straight.to), (0.0, 1.0)]);
             return raw(swept, kind, outward, region, uncertainty);
         }
         let (support, same) = elementary.unwrap_or((swept, true));
@@ -185,7 +185,7 @@ impl Extrusion {
         let edges = vec![bottom.clone(), end, top.reversed(), start.reversed()];
         let l = RawLoop { edges, outer: true };
         let l = if outward { l } else { l.reversed() };
-        raw(support, kind, same == outward, Region::Loops(vec![l]), uncertainty)
+        raw(support, kind, same == outward, RawRegion::Loops(vec![l]), uncertainty)
     }
 
     fn cap(&self, end: usize, loops: Vec<RawLoop>, uncertainty: f64) -> RawFace {
@@ -196,11 +196,11 @@ impl Extrusion {
         let plane = Frame { origin: f.origin + self.path * end as f64, x, y: z.cross(&x), z };
         let top = end == 1;
         let loops = loops.into_iter().map(|l| if top { l } else { l.reversed() }).collect();
-        raw(SupportSurface::Plane(plane), SurfaceKind::Plane, top, Region::Loops(loops), uncertainty)
+        raw(SupportSurface::Plane(plane), SurfaceKind::Plane, top, RawRegion::Loops(loops), uncertainty)
     }
 }
 
-fn raw(support: SupportSurface, kind: SurfaceKind, same_sense: bool, region: Region, uncertainty: f64) -> RawFace {
+fn raw(support: SupportSurface, kind: SurfaceKind, same_sense: bool, region: RawRegion, uncertainty: f64) -> RawFace {
     let (name, part) = (String::new(), String::new());
     RawFace {
         entity: 0,

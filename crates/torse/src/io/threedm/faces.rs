@@ -9,7 +9,7 @@ use super::extrusion;
 use super::records::{Object, Unit};
 use super::surfaces;
 use crate::answer::skipped::Skipped;
-use crate::brep::raw::{RawFace, Region, SurfaceDeviation};
+use crate::brep::raw::{RawFace, RawRegion, SurfaceDeviation};
 use crate::io::model::unread;
 use std::collections::BTreeSet;
 
@@ -90,7 +90,7 @@ fn raw_faces(object: Object, unit: &Unit) -> Reading<Vec<Reading<RawFace>>> {
                 kind: patch.kind,
                 support: whole.support,
                 same_sense: !whole.flipped,
-                region: Region::Rectangle(whole.rectangle),
+                region: RawRegion::Rectangle(whole.rectangle),
                 surface_deviation: SurfaceDeviation::NONE,
                 uncertainty: unit.tolerance,
             })])

@@ -28,7 +28,7 @@ use crate::answer::skipped::Skipped;
 use crate::brep::area::spanned_area_estimate;
 use crate::brep::face::Face;
 use crate::brep::raw::SurfaceKind;
-use crate::brep::raw::{RawFace, Region};
+use crate::brep::raw::{RawFace, RawRegion};
 use crate::brep::trim;
 use crate::io::model::unread;
 use crate::io::model::{Model, ReadOptions};
@@ -177,7 +177,7 @@ fn trimmed(raw: &RawFace, options: &ReadOptions) -> Result<Vec<Face>, Lost> {
         entity: raw.entity,
         reason: if raw.name.is_empty() { e.to_string() } else { format!("'{}': {e}", raw.name) },
         area: match &raw.region {
-            Region::Loops(loops) => spanned_area_estimate(loops),
+            RawRegion::Loops(loops) => spanned_area_estimate(loops),
             _ => None,
         },
     })

@@ -11,11 +11,11 @@ use super::covered_face::Cover;
 use super::job::{Job, DISTANCE_SHARE};
 use super::propose::{Attempt, AttemptOptions};
 use super::region::{Density, Region};
-use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::num::hash::{HashMap, HashSet};
 use crate::num::parallel;
 use crate::spline::field::Field;
+use crate::torse::form::Ruling;
 use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
@@ -314,7 +314,7 @@ impl Job<'_> {
     }
 
     /// The middle line of a component of the band between two levels.
-    fn middle(&self, region: Region, field: &Field, w: &[f64]) -> Vec<CentrePoint> {
+    fn middle(&self, region: Region, field: &Field, w: &[f64]) -> Vec<Ruling> {
         let (lo, hi) = region.range(field);
         self.centre(region, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
     }

@@ -20,7 +20,7 @@ use super::march::{TRIALS, UNKNOWN};
 use super::region::{Density, Region};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
-use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
+use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, EnvelopeRuling};
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
@@ -65,7 +65,7 @@ struct Laid {
 
 /// Rulings with a torse through their planes.
 struct RuledTorse {
-    points: Vec<RulingPoint>,
+    points: Vec<EnvelopeRuling>,
     ends: Vec<[f64; 2]>,
     torse: crate::torse::form::Torse,
 }
@@ -197,7 +197,7 @@ impl Job<'_> {
             points = resampled(surface, &carried_on(&points, bounds));
         }
         let all = regular(surface, &points)?;
-        let torse = envelope(&all.iter().map(RulingPoint::centre).collect::<Vec<_>>(), SPANS, REACH)?;
+        let torse = envelope(&all.iter().map(|r| r.ruling).collect::<Vec<_>>(), SPANS, REACH)?;
         let size = surface.bbox().diagonal();
         let allowed = self.options.tolerance * DISTANCE_SHARE * INTERVALS;
         let ends = all.iter().map(|p| interval(surface, p, allowed, size)).collect();
@@ -333,7 +333,7 @@ struct Ahead {
 }
 
 /// The longest part of a line along which the envelope is regular and bends to one side.
-fn regular(surface: &Surface, line: &[[f64; 2]]) -> Option<Vec<RulingPoint>> {
+fn regular(surface: &Surface, line: &[[f64; 2]]) -> Option<Vec<EnvelopeRuling>> {
     // Rulings that a strip has at least.
     const FEWEST: usize = 8;
     if let Ok(all) = envelope_along(surface, line) {
@@ -342,10 +342,10 @@ fn regular(surface: &Surface, line: &[[f64; 2]]) -> Option<Vec<RulingPoint>> {
         }
     }
     // Some place fails: triples of neighbours tell where.
-    let each: Vec<Option<RulingPoint>> =
+    let each: Vec<Option<EnvelopeRuling>> =
         line.windows(3).map(|w| envelope_along(surface, w).ok().map(|p| p[1])).collect();
-    let mut best: Vec<RulingPoint> = Vec::new();
-    let mut run: Vec<RulingPoint> = Vec::new();
+    let mut best: Vec<EnvelopeRuling> = Vec::new();
+    let mut run: Vec<EnvelopeRuling> = Vec::new();
     for p in each.into_iter().chain([None]) {
         match p {
             Some(p) if run.last().is_none_or(|l| l.curvature * p.curvature > 0.0) => run.push(p),

@@ -5,11 +5,11 @@ use super::job::{Job, DISTANCE_SHARE};
 use super::propose::AttemptOptions;
 use super::region::Region;
 use crate::fit::near::centre_line::centre_line;
-use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::fit::strip_potential::StripPotential;
 use crate::num::parallel;
 use crate::spline::field::Field;
+use crate::torse::form::Ruling;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 
@@ -301,7 +301,7 @@ impl Job<'_> {
     }
 
     /// Centre line of a band: the level of its field at the value `middle`.
-    pub(super) fn centre(&self, region: Region, field: &Field, middle: f64) -> Vec<CentrePoint> {
+    pub(super) fn centre(&self, region: Region, field: &Field, middle: f64) -> Vec<Ruling> {
         let off = |p: &[f64; 2]| (field.value(*p) - middle).abs();
         let seed = region.places().into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         let Some(mut seed) = seed else { return Vec::new() };

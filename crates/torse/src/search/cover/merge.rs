@@ -4,8 +4,8 @@ use super::covered_face::Cover;
 use super::job::Job;
 use super::march::REST;
 use super::region::{Density, Region};
-use crate::fit::near::dual::CentrePoint;
 use crate::num::hash::{HashMap, HashSet};
+use crate::torse::form::Ruling;
 use std::sync::Arc;
 
 /// Directions and bisection steps of the search for two panels.
@@ -87,7 +87,7 @@ impl Job<'_> {
     }
 
     /// Centre line of the larger of two bands of one function, for both together.
-    fn common_line(&self, joined: Region, [a, b]: [Region; 2]) -> Option<Vec<CentrePoint>> {
+    fn common_line(&self, joined: Region, [a, b]: [Region; 2]) -> Option<Vec<Ruling>> {
         let (f, g) = (a.band()?, b.band()?);
         if !Arc::ptr_eq(f, g) {
             return None;

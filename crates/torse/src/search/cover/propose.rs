@@ -7,14 +7,13 @@ use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::{Obstruction, Verdict};
 use crate::fit::near::centre_line::{has_inflection, spans_along};
 use crate::fit::near::dual::dual;
-use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::dual::DualOptions;
 use crate::fit::near::plane::plane;
 use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::fit::near::samples::beyond;
 use crate::fit::near::samples::{Fit, Sample};
 use crate::fit::near::{descent::RefitOptions, refit::refit};
-use crate::torse::form::Torse;
+use crate::torse::form::{Ruling, Torse};
 use std::sync::atomic::Ordering;
 use std::sync::Arc;
 
@@ -112,7 +111,7 @@ impl Attempt {
 
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
-    pub(crate) fn single(&self, region: Region, centre: Option<&[CentrePoint]>) -> Attempt {
+    pub(crate) fn single(&self, region: Region, centre: Option<&[Ruling]>) -> Attempt {
         self.tried(region, centre, AttemptOptions::USUAL)
     }
 
@@ -122,7 +121,7 @@ impl Job<'_> {
     }
 
     /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
-    pub(super) fn tried(&self, region: Region, centre: Option<&[CentrePoint]>, how: AttemptOptions) -> Attempt {
+    pub(super) fn tried(&self, region: Region, centre: Option<&[Ruling]>, how: AttemptOptions) -> Attempt {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         if self.control.stopped() {
             return Attempt::failed(f64::INFINITY);
@@ -169,7 +168,7 @@ impl Job<'_> {
             }
         }
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
-            let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
+            let length: f64 = line.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum();
             let slender = length * length / region.area().max(f64::MIN_POSITIVE);
             let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
             let usual = self.dual_options(region);

@@ -1,7 +1,7 @@
 //! Lines on a face that seams must follow (docs/algorithms/cover.md, "Layouts on demand").
 
 use crate::brep::face::Face;
-use crate::develop::unfold::region::Region;
+use crate::develop::unfold::region::FlatRegion;
 use crate::geom::segment::{foot, segment_distance};
 use crate::geom::{Vec2, Vec3};
 use crate::spline::surface::Surface;
@@ -36,7 +36,7 @@ impl SeamLine {
     /// The point of the line within a face that is farthest (mm) from edges of panels, polylines in space.
     pub fn farthest_from(&self, face: &Face, edges: &[Vec<Vec3>]) -> Option<(f64, Vec3)> {
         let loops = face.loops.iter().map(|l| l.points.iter().map(|p| Vec2::new(p[0], p[1])).collect()).collect();
-        let region = Region::from_loops(loops);
+        let region = FlatRegion::from_loops(loops);
         let off = |x: &Vec3| {
             let stretches = edges.iter().flat_map(|e| e.windows(2));
             stretches.map(|w| segment_distance([x, x], [&w[0], &w[1]])).fold(f64::INFINITY, f64::min)

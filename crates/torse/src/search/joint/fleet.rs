@@ -102,14 +102,14 @@ impl<'a> Fleet<'a> {
             slots.push(network.is_some().then_some(out.networks.len()));
             out.networks.extend(network);
         }
-        let rulings: Vec<_> = out.networks.iter().map(Network::rulings).collect();
+        let guesses: Vec<_> = out.networks.iter().map(Network::guesses).collect();
         for m in meetings {
             let [Some(a), Some(b)] = m.faces.map(|f| slots[f]) else { continue };
             let sum = m.normals[0] + m.normals[1];
             let Some(up) = sum.try_normalize(0.0) else { continue };
             let half_turn = ((m.normals[0] - m.normals[1]).norm() * 0.5, sum.norm() * 0.5);
             let mut sample = |k: usize, of: usize| {
-                let number = out.networks[of].meets_at(m.labels[k], &rulings[of], (&m.places[k], &up))?;
+                let number = out.networks[of].meets_at(m.labels[k], &guesses[of], (&m.places[k], &up))?;
                 Some((of, number))
             };
             let (Some(first), Some(second)) = (sample(0, a), sample(1, b)) else { continue };

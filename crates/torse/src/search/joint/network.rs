@@ -3,7 +3,7 @@
 use super::columns::Columns;
 use super::form::{Band, Foot};
 use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, Width, SLIDES};
-use super::strip::{Rulings, Strip};
+use super::strip::{FootGuesses, Strip};
 use crate::brep::face::Face;
 use crate::fit::panels::line_intersection::LEAST_LEAN;
 use crate::geom::Vec3;
@@ -141,8 +141,8 @@ impl Member {
     }
 
     /// The nearest foot of a point: where a strip that goes all round overlaps itself, it has one at either end.
-    pub fn foot_anywhere(&self, rulings: &Rulings, x: &Vec3) -> Option<Foot> {
-        nearest(rulings.near(x).into_iter().filter_map(|t| self.foot(x, t)))
+    pub fn foot_anywhere(&self, guesses: &FootGuesses, x: &Vec3) -> Option<Foot> {
+        nearest(guesses.near(x).into_iter().filter_map(|t| self.foot(x, t)))
     }
 
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
@@ -232,9 +232,9 @@ impl Network<'_> {
     }
 
     /// Adds a place on the border at which the face meets another one, whose panels are to end on `up` there; its number.
-    pub fn meets_at(&mut self, label: u32, rulings: &[Rulings], (x, up): (&Vec3, &Vec3)) -> Option<usize> {
+    pub fn meets_at(&mut self, label: u32, guesses: &[FootGuesses], (x, up): (&Vec3, &Vec3)) -> Option<usize> {
         let strip = self.members.iter().position(|m| m.label == label)?;
-        let foot = self.members[strip].foot_anywhere(&rulings[strip], x)?;
+        let foot = self.members[strip].foot_anywhere(&guesses[strip], x)?;
         self.samples.push(Sample {
             x: *x,
             strip,
@@ -248,17 +248,17 @@ impl Network<'_> {
     }
 
     /// First guesses of feet on its strips.
-    pub fn rulings(&self) -> Vec<Rulings> {
-        self.members.iter().map(|m| Rulings::of(m.strip.torse())).collect()
+    pub fn guesses(&self) -> Vec<FootGuesses> {
+        self.members.iter().map(|m| FootGuesses::of(m.strip.torse())).collect()
     }
 
     /// Adds samples where panels were too far away; places without a foot count for nothing.
     pub fn add(&mut self, places: &[Further]) {
-        let rulings = self.rulings();
+        let guesses = self.guesses();
         let sample = |f: &Further| {
             let strip = self.members.iter().position(|m| m.label == f.label)?;
             let x = self.face.surface.point(f.uv[0], f.uv[1]);
-            let foot = Some(self.members[strip].foot_anywhere(&rulings[strip], &x)?);
+            let foot = Some(self.members[strip].foot_anywhere(&guesses[strip], &x)?);
             Some(Sample { x, strip, foot, lines: Vec::new(), up: None, counts: f.counts, taken: 1.0 })
         };
         let added: Vec<Sample> = places.iter().filter_map(sample).collect();

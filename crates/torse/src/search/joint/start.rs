@@ -7,7 +7,7 @@ use super::form::Foot;
 use super::line::{End, Line};
 use super::network::{median, nearest, Member, Network, Sample, UNIT};
 use super::profile::Profile;
-use super::strip::{Rulings, Strip};
+use super::strip::{FootGuesses, Strip};
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
 use crate::num::hash::HashSet;
@@ -92,13 +92,13 @@ fn network_of_others<'a>(
         aims: Vec::new(),
     };
     // Feet from nothing.
-    let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
+    let guesses: Vec<FootGuesses> = out.members.iter().map(|m| FootGuesses::of(m.strip.torse())).collect();
     let members = &out.members;
-    parallel::for_each(out.samples.iter_mut(), |s| s.foot = members[s.strip].foot_anywhere(&rulings[s.strip], &s.x));
+    parallel::for_each(out.samples.iter_mut(), |s| s.foot = members[s.strip].foot_anywhere(&guesses[s.strip], &s.x));
     for l in &mut out.lines {
         let strips = l.strips;
         parallel::for_each(l.points.iter_mut(), |p| {
-            p.feet = strips.map(|k| members[k].foot_anywhere(&rulings[k], &p.x));
+            p.feet = strips.map(|k| members[k].foot_anywhere(&guesses[k], &p.x));
         });
     }
     let lost = out.without_feet();
@@ -169,9 +169,9 @@ impl Start {
     /// The strip with the side and the sign of the regularity that most of its points have. `None` if some point has no such
     /// foot.
     fn of(label: u32, strip: Strip, places: &[Place]) -> Option<Self> {
-        let rulings = Rulings::of(strip.torse());
+        let guesses = FootGuesses::of(strip.torse());
         let feet_of = |(x, n): &Place| -> Vec<Foot> {
-            facing(rulings.near(x).into_iter().filter_map(|t| strip.foot(x, t, 1.0)).collect(), n, |f| f.normal)
+            facing(guesses.near(x).into_iter().filter_map(|t| strip.foot(x, t, 1.0)).collect(), n, |f| f.normal)
         };
         let near: Vec<Vec<Foot>> = places.iter().map(feet_of).collect();
         let sense = near.iter().filter_map(|f| f.first()).map(|f| f.regular.signum()).sum::<f64>().signum();
@@ -203,9 +203,9 @@ const ONE_FOOT: f64 = 1e-3;
 /// Range of the feet of points on a torse, and their distances from it, mm. Beyond a fold at its end a torse may come as near to
 /// points again (`tolerance`): of several feet those count that are nearest to the rulings of points with one.
 fn feet_on(torse: &Torse, places: &[Place], tolerance: f64) -> Option<((f64, f64), Vec<f64>)> {
-    let rulings = Rulings::of(torse);
+    let guesses = FootGuesses::of(torse);
     let feet_of = |(x, n): &Place| {
-        let feet = rulings.near(x).into_iter().filter_map(|t| torse.foot(x, t)).collect();
+        let feet = guesses.near(x).into_iter().filter_map(|t| torse.foot(x, t)).collect();
         let feet = facing(feet, n, |t| torse.ruling(*t).normal).into_iter();
         let mut feet: Vec<(f64, f64)> = feet.map(|t| (t, torse.plane_distance(x, t))).collect();
         feet.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));

@@ -101,11 +101,11 @@ impl Strip {
 }
 
 /// First guesses of feet: rulings of a torse, three to a span, in segments about its band.
-pub(super) struct Rulings {
+pub(super) struct FootGuesses {
     rulings: Vec<(f64, Vec3, Vec3)>,
 }
 
-impl Rulings {
+impl FootGuesses {
     pub fn of(torse: &Torse) -> Self {
         const PER_SPAN: usize = 3;
         let (a, b) = torse.domain();

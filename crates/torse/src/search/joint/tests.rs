@@ -121,7 +121,8 @@ fn edges_lie_on_both_strips() {
         for k in 5..=95 {
             let x = Vec3::from(edge.point(a + (b - a) * f64::from(k) / 100.0));
             for torse in found.torses.iter().filter(|t| l.labels.contains(&t.0)).map(|t| &t.1) {
-                let t = strip::Rulings::of(torse).near(&x).into_iter().find_map(|t| torse.foot(&x, t)).expect("a foot");
+                let t =
+                    strip::FootGuesses::of(torse).near(&x).into_iter().find_map(|t| torse.foot(&x, t)).expect("a foot");
                 assert!(torse.plane_distance(&x, t).abs() < 1e-4 * tolerance);
             }
         }
@@ -169,7 +170,7 @@ fn rows_of_strips_match_differences() {
         let strip = strip.on_band(&band);
         for (a, b) in [(0.1, 0.01), (0.43, 0.11), (0.8, 0.05)] {
             let x = radial(a, b) * (RADIUS + 0.3);
-            let t = strip::Rulings::of(strip.torse()).near(&x)[0];
+            let t = strip::FootGuesses::of(strip.torse()).near(&x)[0];
             let foot = strip.foot(&x, t, 1.0).expect("a foot");
             let (mut rows, mut regular) = (Runs::default(), Runs::default());
             strip.row(0, &x, &foot, 1.0, &mut rows);
@@ -274,7 +275,7 @@ fn strips_of_two_faces_become_equally_high_where_these_meet() {
     for m in &meetings {
         let height = |k: usize| {
             let (torse, x) = (&found[k].as_ref().expect("joined").torses[0].1, &m.places[k]);
-            let t = strip::Rulings::of(torse).near(x).into_iter().find_map(|t| torse.foot(x, t)).expect("a foot");
+            let t = strip::FootGuesses::of(torse).near(x).into_iter().find_map(|t| torse.foot(x, t)).expect("a foot");
             torse.plane_distance(x, t).abs() / tolerance
         };
         let heights = [height(0), height(1)];

@@ -3,7 +3,7 @@
 
 use crate::develop::refold::atlas::{Atlas, OnPanel};
 use crate::develop::refold::compare::samples;
-use crate::develop::refold::cut::{cut, Region};
+use crate::develop::refold::cut::{cut, CutRegion};
 use crate::develop::refold::drawn::{FlatPart, ROUNDED};
 use crate::develop::refold::leaf::Leaf;
 use crate::geom::polygon::{area, bounds, corner_near, distance, inside};
@@ -214,6 +214,6 @@ fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, panel): (
         return leaf.loops.clone();
     }
     // Rulings follow each other to their left.
-    let belongs = |r: &Region| r.chords.iter().any(|(c, left)| own[usize::from(!left)].contains(c));
+    let belongs = |r: &CutRegion| r.chords.iter().any(|(c, left)| own[usize::from(!left)].contains(c));
     cut(&leaf.loops, &chords).into_iter().filter(belongs).flat_map(|r| r.loops).collect()
 }

@@ -109,15 +109,15 @@ pub(crate) fn exact_strips(
     control: &Control,
 ) -> Result<Vec<ExactStrip>, ExactError> {
     let (a, b) = built.strip.domain();
-    let contact = Contacts::new(built, rails).ok_or(ExactError::Rails)?;
-    let inflections = contact.inflections(a, b);
+    let rulings = RailRulings::new(built, rails).ok_or(ExactError::Rails)?;
+    let inflections = rulings.inflections(a, b);
     let mut ends = vec![(a, false)];
     ends.extend(inflections.into_iter().map(|u| (u, true)));
     ends.push((b, false));
     let mut out = Vec::new();
     for w in ends.windows(2) {
         let part = Part { from: w[0].0, to: w[1].0, still: [w[0].1, w[1].1] };
-        out.extend(over(&contact, &part, tolerance, 0, control)?);
+        out.extend(over(&rulings, &part, tolerance, 0, control)?);
     }
     Ok(out)
 }
@@ -132,7 +132,7 @@ struct Part {
 
 /// Over a part of the strip, in halves where planes turn too far.
 fn over(
-    contacts: &Contacts,
+    rulings: &RailRulings,
     part: &Part,
     tolerance: f64,
     depth: usize,
@@ -140,7 +140,7 @@ fn over(
 ) -> Result<Vec<ExactStrip>, ExactError> {
     let Part { from, to, still } = *part;
     let normals: Vec<Vec3> = (0..=4 * PLANES)
-        .map(|k| contacts.at(cut(from, to, k, 4 * PLANES)).map(|c| c.normal))
+        .map(|k| rulings.at(cut(from, to, k, 4 * PLANES)).map(|c| c.normal))
         .collect::<Option<_>>()
         .ok_or(ExactError::NoPlane)?;
     let frame = frame_of_normals(&normals).ok().filter(|f| f.min_cosine > STEEPEST);
@@ -151,13 +151,13 @@ fn over(
         let middle = 0.5 * (from + to);
         let first = Part { from, to: middle, still: [still[0], false] };
         let second = Part { from: middle, to, still: [false, still[1]] };
-        let mut out = over(contacts, &first, tolerance, depth + 1, control)?;
-        out.extend(over(contacts, &second, tolerance, depth + 1, control)?);
+        let mut out = over(rulings, &first, tolerance, depth + 1, control)?;
+        out.extend(over(rulings, &second, tolerance, depth + 1, control)?);
         return Ok(out);
     };
     let mut why = ExactError::PlanesTurn;
     for (multiplicity, most) in TRIALS {
-        match refined(contacts, &frame.frame, part, (multiplicity, most), tolerance, control) {
+        match refined(rulings, &frame.frame, part, (multiplicity, most), tolerance, control) {
             Ok(one) => return Ok(vec![one]),
             Err(reason) => why = reason,
         }
@@ -167,7 +167,7 @@ fn over(
 
 /// Spans halved, or cut into more parts, where the rails are too far, until a strip is near enough.
 fn refined(
-    contacts: &Contacts,
+    rulings: &RailRulings,
     frame: &Frame,
     part: &Part,
     (multiplicity, most): (usize, usize),
@@ -177,7 +177,7 @@ fn refined(
     // Knots of the planes on [0, 1], with their multiplicity.
     let Part { from, to, .. } = *part;
     let mut breaks = vec![(0.0, 4)];
-    let inner = contacts.built.strip.patch.knots_u.breaks();
+    let inner = rulings.built.strip.patch.knots_u.breaks();
     let inside = inner.iter().map(|u| (u - from) / (to - from)).filter(|t| *t > NEAR && *t < 1.0 - NEAR);
     breaks.extend(inside.map(|t| (t, multiplicity)));
     // Knots of both rails that are met at once are one.
@@ -194,11 +194,11 @@ fn refined(
         if control.stopped() {
             return Err(ExactError::Stopped(nearest));
         }
-        let (built, strays) = attempt(contacts, frame, part, &breaks)?;
+        let (built, strays) = attempt(rulings, frame, part, &breaks)?;
         let stray = strays.iter().copied().fold(0.0, f64::max);
         nearest = nearest.min(stray);
         if stray <= goal {
-            match proven(&built, contacts.rails, tolerance, control) {
+            match proven(&built, rulings.rails, tolerance, control) {
                 Some(off) => return Ok(ExactStrip { built, spans: breaks.len() - 1, off }),
                 None => goal *= 0.5,
             }
@@ -231,18 +231,18 @@ fn proven(built: &BuiltStrip, rails: [&Rail; 2], tolerance: f64, control: &Contr
 }
 
 /// The strip's rulings on the rails given.
-struct Contacts<'a> {
+struct RailRulings<'a> {
     built: &'a BuiltStrip,
     rails: [&'a Rail; 2],
 }
 
 /// A ruling on the rails, with the tangent plane of both.
-struct Contact {
+struct RailRuling {
     ends: [Vec3; 2],
     normal: Vec3,
 }
 
-impl<'a> Contacts<'a> {
+impl<'a> RailRulings<'a> {
     fn new(built: &'a BuiltStrip, rails: [&'a Rail; 2]) -> Option<Self> {
         (0..2).all(|d| rails[d].pieces.len() > built.rails[d].piece).then_some(Self { built, rails })
     }
@@ -294,19 +294,19 @@ impl<'a> Contacts<'a> {
         out
     }
 
-    fn at(&self, u: f64) -> Option<Contact> {
+    fn at(&self, u: f64) -> Option<RailRuling> {
         let s = self.parameters(u);
         let j = [0, 1].map(|d: usize| jet(self.piece(d), s[d]));
         let ruling = j[1][0] - j[0][0];
         let n = [0, 1].map(|d: usize| j[d][1].cross(&ruling).try_normalize(0.0));
         let normal = (n[0]? + n[1]?).try_normalize(NO_MEAN)?;
-        Some(Contact { ends: j.map(|j| j[0]), normal })
+        Some(RailRuling { ends: j.map(|j| j[0]), normal })
     }
 }
 
 /// One choice of knots: the strip, and how far samples of every span stray from the rails.
 fn attempt(
-    contacts: &Contacts,
+    rulings: &RailRulings,
     frame: &Frame,
     part: &Part,
     breaks: &[(f64, usize)],
@@ -317,8 +317,8 @@ fn attempt(
     let spans = breaks.windows(2).flat_map(|w| (0..PLANES).map(|k| cut(w[0].0, w[1].0, k, PLANES)));
     let at: Vec<f64> = spans.chain([1.0]).collect();
     let count = at.len() - 1;
-    let all: Vec<Contact> =
-        at.iter().map(|t| contacts.at(from + (to - from) * t)).collect::<Option<_>>().ok_or(ExactError::NoPlane)?;
+    let all: Vec<RailRuling> =
+        at.iter().map(|t| rulings.at(from + (to - from) * t)).collect::<Option<_>>().ok_or(ExactError::NoPlane)?;
     // A frame of the strip's own: planes at the origin would lose digits.
     let centre = all.iter().map(|c| (c.ends[0] + c.ends[1]) * 0.5).sum::<Vec3>() / all.len() as f64;
     let frame = Frame { origin: centre, ..*frame };
@@ -354,8 +354,8 @@ fn attempt(
     let torse = planes(&data, &knots, &options).map(|f| f.curve).map_err(ExactError::of)?;
     let direction: Vec3 = all.iter().map(|c| (c.ends[1] - c.ends[0]).normalize()).sum();
     let direction = direction.try_normalize(NO_MEAN).ok_or(ExactError::RulingsTurn)?;
-    let pieces = [0, 1].map(|d| contacts.piece(d));
-    let guess = |t: f64| contacts.parameters(from + (to - from) * t);
+    let pieces = [0, 1].map(|d| rulings.piece(d));
+    let guess = |t: f64| rulings.parameters(from + (to - from) * t);
     let found = between_rails(&torse, pieces, guess, &frame, &direction, still).map_err(ExactError::of)?;
     let stray = |t: f64| {
         let off = [0, 1].map(|side: usize| {
@@ -369,11 +369,11 @@ fn attempt(
         .windows(2)
         .map(|w| (1..SAMPLES).map(|k| stray(cut(w[0].0, w[1].0, k, SAMPLES))).fold(0.0, f64::max))
         .collect();
-    let old = &contacts.built.strip;
+    let old = &rulings.built.strip;
     let [a, b] = &found.boundaries;
     let strip = Strip::between(&old.name, old.kind, a, b).map_err(ExactError::of)?;
     let [x, y] = found.parameters;
-    let [first, second] = [0, 1].map(|d: usize| contacts.built.rails[d].piece);
+    let [first, second] = [0, 1].map(|d: usize| rulings.built.rails[d].piece);
     let rails = [RailPart { piece: first, parameter: x }, RailPart { piece: second, parameter: y }];
     Ok((BuiltStrip { strip, rails }, strays))
 }
@@ -441,7 +441,7 @@ mod tests {
         let one = between_pieces([&a, &b], [0, 0], &stations, &BuildOptions::new(1e-5), &Control::default())
             .expect("a strip");
         let one = one.expect("a strip");
-        let at = Contacts::new(&one, [&a, &b]).expect("contacts").inflections(0.0, 1.0);
+        let at = RailRulings::new(&one, [&a, &b]).expect("rulings").inflections(0.0, 1.0);
         assert!(at.len() == 1 && (one.strip.ruling(at[0])[0] - a.point(0.5)).norm() < 1e-3, "{at:?}");
         let parts = exact_strips(&one, [&a, &b], 0.01, &Control::default()).expect("exact");
         assert_eq!(parts.len(), 2);

@@ -3,7 +3,7 @@
 
 use super::ruled::{FlatRuling, Ruled, RulingJet, HAIR, STEPS};
 use super::{Chart, Kind};
-use crate::develop::bends::Ruling;
+use crate::develop::bends::DevelopedRuling;
 use crate::geom::Vec2;
 use crate::num::quadrature::GAUSS_4;
 
@@ -32,7 +32,7 @@ impl Chart {
         &self,
         share: f64,
         radii: impl Fn(&FlatRuling, [Vec2; 2]) -> [f64; 2],
-    ) -> Option<Ruling> {
+    ) -> Option<DevelopedRuling> {
         let Kind::Ruled(r) = &self.kind else { return None };
         if !r.jumps.is_empty() {
             return None;
@@ -42,7 +42,7 @@ impl Chart {
         let (l, ends) = (r.line(s)?, r.ruling_ends(s)?);
         let e = l.n.cross(&l.w);
         let images = ends.map(|x| r.flat_on(s, &x));
-        Some(Ruling {
+        Some(DevelopedRuling {
             flat: images,
             space: ends.map(|x| x - l.n * flat.depth),
             across: e * l.dp.dot(&e).signum(),

@@ -7,7 +7,7 @@ use super::records::{Entry, Fault};
 use super::surfaces::is_surface;
 use crate::brep::area::spanned_area_estimate;
 use crate::brep::face::Face;
-use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
+use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, RawRegion};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::brep::trim::{self, TrimError};
@@ -74,7 +74,7 @@ impl Geometry<'_> {
             }
             _ => {
                 let patch = self.surface(id, 0)?;
-                let region = patch.rectangle.map_or(Region::Whole, Region::Rectangle);
+                let region = patch.rectangle.map_or(RawRegion::Whole, RawRegion::Rectangle);
                 let raw = self.raw(e, patch, region, asked);
                 Ok(trim::faces(&raw, asked.chords).map_err(|why| Fault::new(id, why.to_string()))?)
             }
@@ -82,7 +82,7 @@ impl Geometry<'_> {
     }
 
     /// The face as the trimming takes it.
-    pub fn raw(&self, e: &Entry, patch: Patch, region: Region, asked: Asked) -> RawFace {
+    pub fn raw(&self, e: &Entry, patch: Patch, region: RawRegion, asked: Asked) -> RawFace {
         let mut raw = RawFace {
             entity: e.number,
             name: self.name(e),
@@ -96,7 +96,7 @@ impl Geometry<'_> {
         };
         if asked.flipped {
             raw.same_sense = !raw.same_sense;
-            if let Region::Loops(loops) = &mut raw.region {
+            if let RawRegion::Loops(loops) = &mut raw.region {
                 loops.iter_mut().for_each(|l| *l = l.reversed());
             }
         }
@@ -108,7 +108,7 @@ impl Geometry<'_> {
         let own = base.own;
         let placed = |faces: Vec<Face>| faces.iter().map(|f| f.placed(&own, "")).collect();
         if ids.is_empty() {
-            let region = base.patch.rectangle.map_or(Region::Whole, Region::Rectangle);
+            let region = base.patch.rectangle.map_or(RawRegion::Whole, RawRegion::Rectangle);
             let raw = self.raw(e, base.patch, region, asked);
             return Ok(trim::faces(&raw, asked.chords)
                 .map(placed)
@@ -173,7 +173,7 @@ impl Geometry<'_> {
     pub fn trimmed(&self, e: &Entry, patch: Patch, loops: Vec<RawLoop>, asked: Asked) -> Result<Vec<Face>, Lost> {
         let area = spanned_area_estimate(&loops);
         let count = loops.len();
-        let raw = self.raw(e, patch.beside(&loops), Region::Loops(loops), asked);
+        let raw = self.raw(e, patch.beside(&loops), RawRegion::Loops(loops), asked);
         let first = match trim::faces(&raw, asked.chords) {
             Ok(faces) => return Ok(faces),
             Err(why) => why,
@@ -183,7 +183,7 @@ impl Geometry<'_> {
             // All of them turned round is tried by the trimming itself.
             for mask in 1..1_usize << (count - 1) {
                 let mut other = raw.clone();
-                if let Region::Loops(loops) = &mut other.region {
+                if let RawRegion::Loops(loops) = &mut other.region {
                     let turned = loops.iter_mut().enumerate().filter(|(i, _)| mask >> i & 1 == 1);
                     turned.for_each(|(_, l)| *l = l.reversed());
                 }

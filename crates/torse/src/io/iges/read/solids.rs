@@ -6,7 +6,7 @@ use super::faces::{Asked, Lost};
 use super::placing;
 use super::records::{Entry, Fault};
 use crate::brep::face::Face;
-use crate::brep::raw::{RawEdge, RawLoop, Region};
+use crate::brep::raw::{RawEdge, RawLoop, RawRegion};
 use crate::brep::space_curve::Arc;
 use crate::brep::trim::{self, edge};
 use crate::geom::placement::Placement;
@@ -32,7 +32,7 @@ impl Geometry<'_> {
         let placed = |faces: Vec<Face>| faces.iter().map(|f| f.placed(&own, "")).collect();
         let ids = e.pointers(4, e.count(2)?)?;
         if ids.is_empty() {
-            let region = base.patch.rectangle.map_or(Region::Whole, Region::Rectangle);
+            let region = base.patch.rectangle.map_or(RawRegion::Whole, RawRegion::Rectangle);
             let raw = self.raw(e, base.patch, region, asked);
             return Ok(trim::faces(&raw, asked.chords)
                 .map(placed)

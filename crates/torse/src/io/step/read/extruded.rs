@@ -4,7 +4,7 @@ use super::curves::Geometry;
 use super::records::Fault;
 use super::topology::turn;
 use crate::brep::raw::SurfaceKind;
-use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, RawRegion};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineSupport, SupportSurface};
 use crate::geom::placement::Placement;
@@ -28,7 +28,7 @@ impl Geometry<'_, '_> {
             return Err(Fault::new(id, format!("the solid #{id} extrudes a curved face, which is not read")));
         };
         let up = frame.z.dot(&way) * if base.same_sense { 1.0 } else { -1.0 };
-        let Region::Loops(loops) = &base.region else {
+        let RawRegion::Loops(loops) = &base.region else {
             return Err(Fault::new(id, format!("the solid #{id} extrudes a face without boundary")));
         };
         if up == 0.0 || up.is_nan() {
@@ -40,7 +40,7 @@ impl Geometry<'_, '_> {
             let mut side = base.clone();
             side.support = SupportSurface::Extrusion { directrix: arc.curve.clone(), direction: way };
             side.kind = SurfaceKind::Extrusion;
-            side.region = Region::Rectangle([(lo, hi), (0.0, 1.0)]);
+            side.region = RawRegion::Rectangle([(lo, hi), (0.0, 1.0)]);
             // Material lies left of the loop seen against the face's normal, so that travel × way points outward.
             side.same_sense = (arc.to >= arc.from) == (up > 0.0);
             out.push(side);
@@ -49,7 +49,7 @@ impl Geometry<'_, '_> {
         let mut top = base.clone();
         top.support = shift(&base.support)?;
         top.region =
-            Region::Loops(loops.iter().map(|l| moved_loop(l, &way)).collect::<Option<_>>().ok_or_else(|| {
+            RawRegion::Loops(loops.iter().map(|l| moved_loop(l, &way)).collect::<Option<_>>().ok_or_else(|| {
                 Fault::new(id, format!("the solid #{id} has an edge that is given in a parameter plane only"))
             })?);
         // The end of the solid that the base's normal points away from keeps it.

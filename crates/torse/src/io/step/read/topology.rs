@@ -5,7 +5,7 @@ use super::records::{as_reference, Args, Fault};
 use super::surfaces::Patch;
 use super::token::Value;
 use crate::brep::area::spanned_area_estimate;
-use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
+use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, RawRegion};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::trim::edge;
 use crate::geom::Vec3;
@@ -38,9 +38,9 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 // On a face of opposite sense the file's loops run about the face's normal, as ours do.
                 let same = a.logical(3, true) == patch.same_sense;
                 let region = match patch.rectangle {
-                    Some(rectangle) if loops.is_empty() => Region::Rectangle(rectangle),
-                    _ if loops.is_empty() => Region::Whole,
-                    _ => Region::Loops(loops),
+                    Some(rectangle) if loops.is_empty() => RawRegion::Rectangle(rectangle),
+                    _ if loops.is_empty() => RawRegion::Whole,
+                    _ => RawRegion::Loops(loops),
                 };
                 let mut face = self.raw(id, a.text(0), patch, region);
                 face.same_sense = same;
@@ -58,15 +58,15 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 let patch = self.surface(a.reference(1)?, 0)?;
                 let loops = self.boundary_curves(id, &a, &patch)?;
                 let region = match patch.rectangle {
-                    _ if !loops.is_empty() => Region::Loops(loops),
-                    Some(r) => Region::Rectangle(r),
-                    None => Region::Whole,
+                    _ if !loops.is_empty() => RawRegion::Loops(loops),
+                    Some(r) => RawRegion::Rectangle(r),
+                    None => RawRegion::Whole,
                 };
                 Ok(self.raw(id, a.text(0), patch, region))
             }
             _ => {
                 let patch = self.surface(id, 0)?;
-                let region = patch.rectangle.map_or(Region::Whole, Region::Rectangle);
+                let region = patch.rectangle.map_or(RawRegion::Whole, RawRegion::Rectangle);
                 let mut face = self.raw(id, a.text(0), patch, region);
                 if flipped {
                     turn(&mut face);
@@ -86,7 +86,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "ADVANCED_FACE" | "FACE_SURFACE" => spanned_area_estimate(&self.loops_alone(&a).ok()?),
             "ORIENTED_FACE" => self.spanned_area(a.reference(2).ok()?, depth + 1),
             _ => match self.face(id, false, 0).ok()?.region {
-                Region::Loops(loops) => spanned_area_estimate(&loops),
+                RawRegion::Loops(loops) => spanned_area_estimate(&loops),
                 _ => None,
             },
         }
@@ -109,7 +109,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
             .map_or_else(|_| Vec::new(), |loops| loops.into_iter().flat_map(arcs).flat_map(along).collect())
     }
 
-    fn raw(&self, id: u64, name: &str, patch: Patch, region: Region) -> RawFace {
+    fn raw(&self, id: u64, name: &str, patch: Patch, region: RawRegion) -> RawFace {
         RawFace {
             entity: id,
             name: name.to_string(),
@@ -292,7 +292,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
 /// Turns a face's normal round; its loops follow.
 pub(super) fn turn(face: &mut RawFace) {
     face.same_sense = !face.same_sense;
-    if let Region::Loops(loops) = &mut face.region {
+    if let RawRegion::Loops(loops) = &mut face.region {
         for l in loops {
             *l = l.reversed();
         }

@@ -107,7 +107,7 @@ fn differs(what: Differs) -> &'static str {
         Differs::NoPlane => "the plane is none",
         Differs::NoPiece => "the piece is none",
         Differs::Turns => "the piece turns too far",
-        Differs::OffOwnSurface => "the piece does not lie on its own carrier",
+        Differs::OffOwnSurface => "the piece does not lie on its own support surface",
         Differs::Coordinate => "a coordinate is not a finite number",
         Differs::NoExtent => "the outline has no extent",
         Differs::NoCircle => "a hole is no circle",
