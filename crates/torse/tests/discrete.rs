@@ -22,7 +22,8 @@ fn recorded_sequences_of_planes_are_told_apart() {
             .iter()
             .map(|p| TangentPlane {
                 normal: Vec3::new(number(&p[0]), number(&p[1]), number(&p[2])),
-                offset: number(&p[3]),
+                // Recorded as n·x + n₀ = 0.
+                offset: -number(&p[3]),
             })
             .collect();
         let noise = number(&case["noise"]).max(1e-7);

@@ -322,7 +322,7 @@ fn figure_5(curve: &DualCurve, title: &str) -> Done<Image> {
     );
     let (a, b) = curve.domain();
     for i in 0..=60 {
-        let d = curve.jet(a + (b - a) * f64::from(i) / 60.0)[1];
+        let d = curve.graph_jet(a + (b - a) * f64::from(i) / 60.0)[1];
         let at = |x: f64| Vec2::new(x, -(d[0] + d[1] * x));
         plot.line(&[at(-WINDOW), at(WINDOW)], 1.0, GREY);
         plot.line(&[at(-1.0), at(1.0)], 1.6, BLUE);
@@ -337,7 +337,7 @@ fn figure_5(curve: &DualCurve, title: &str) -> Done<Image> {
 fn figure_6(curves: &(DualCurve, DualCurve)) -> Image {
     let second = |c: &DualCurve| -> Vec<Vec2> {
         let (a, b) = c.domain();
-        (0..=800).map(|i| c.jet(a + (b - a) * f64::from(i) / 800.0)[2]).map(|u| Vec2::new(u[0], u[1])).collect()
+        (0..=800).map(|i| c.graph_jet(a + (b - a) * f64::from(i) / 800.0)[2]).map(|u| Vec2::new(u[0], u[1])).collect()
     };
     let (free, kept) = (second(&curves.0), second(&curves.1));
     let size = free.iter().chain(&kept).fold(0.1f64, |m, p| m.max(p.amax())) * 1.1;

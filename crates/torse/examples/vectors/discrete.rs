@@ -123,7 +123,8 @@ fn ruling(case: &Case) -> Result<Checks, String> {
 
 fn dual_regression(case: &Case) -> Result<Checks, String> {
     let given = |key: &str| vector::<3>(&case.input, key).map(Vec3::from);
-    let offset = |key: &str| number(&case.input, key);
+    // The papers have n·x + n₀ = 0.
+    let offset = |key: &str| number(&case.input, key).map(|n0| -n0);
     let e = EnvelopePoint {
         normal: [given("n")?, given("n_dot")?, given("n_ddot")?],
         offset: [offset("n0")?, offset("n0_dot")?, offset("n0_ddot")?],
@@ -143,7 +144,7 @@ fn dual_regression(case: &Case) -> Result<Checks, String> {
 fn shapes(case: &Case) -> Result<Checks, String> {
     let planes: Vec<TangentPlane> = vectors::<4>(&case.input, "planes_n_n0")?
         .iter()
-        .map(|p| TangentPlane { normal: Vec3::new(p[0], p[1], p[2]), offset: p[3] })
+        .map(|p| TangentPlane { normal: Vec3::new(p[0], p[1], p[2]), offset: -p[3] })
         .collect();
     let default = DecomposeOptions::default();
     let noise = number(&case.input, "noise_sigma")?.max(default.noise);

@@ -16,7 +16,7 @@ use torse::geom::measure::{LineMeasure, Measure};
 use torse::geom::Vec3;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
-use torse::torse::dual::DualCurve;
+use torse::torse::dual::{DualCurve, DualKind, Plane};
 
 /// Relative difference that is allowed.
 const ALLOWED: f64 = 1e-9;
@@ -65,12 +65,27 @@ fn gram(v: &Value, key: &str) -> Result<Measure, String> {
     Measure::of_gram(rows).map_err(text)
 }
 
+/// The plane `u0 + u1 x + u2 y + u3 z = 0` of the paper.
+fn plane([u0, u1, u2, u3]: [f64; 4]) -> Plane {
+    [u1, u2, u3, -u0]
+}
+
+/// The paper's coordinates of planes of a curve, where those that are graphs have `u3 = −1`.
+fn coordinates(of: &DualCurve, [x, y, z, h]: Plane) -> [f64; 4] {
+    let u = [-h, x, y, z];
+    if of.kind() == DualKind::General {
+        u
+    } else {
+        u.map(|x| -x)
+    }
+}
+
 fn curve_of_type(i: &Value) -> Result<DualCurve, String> {
     let (k, knots, control) = (degree(i)?, numbers(i, "knots")?, vectors::<4>(i, "control_planes")?);
     match number(i, "type")? as i64 {
         2 => DualCurve::graph(k, knots, &control.iter().map(|c| [c[0], c[1], c[2]]).collect::<Vec<_>>()),
         3 => DualCurve::slope(k, knots, &control.iter().map(|c| [c[0], c[1]]).collect::<Vec<_>>()),
-        _ => DualCurve::general(k, knots, control),
+        _ => DualCurve::general(k, knots, control.into_iter().map(plane).collect()),
     }
     .map_err(text)
 }
@@ -83,10 +98,11 @@ fn rows<const D: usize>(c: &mut Checks, what: &str, got: &[[f64; D]], wanted: &[
 fn dual_eval(i: &Value, o: &Value) -> Result<Checks, String> {
     let mut c = Checks::default();
     let s = curve_of_type(i)?;
-    rows(&mut c, "control planes", &s.planes().control, &vectors::<4>(o, "control_planes")?);
+    let control: Vec<[f64; 4]> = s.planes().control.iter().map(|p| coordinates(&s, *p)).collect();
+    rows(&mut c, "control planes", &control, &vectors::<4>(o, "control_planes")?);
     for e in list(o, "eval")? {
         let t = number(e, "t")?;
-        let jet = s.jet(t);
+        let jet = s.jet(t).map(|p| coordinates(&s, p));
         for (key, got) in ["U", "dU", "ddU"].into_iter().zip(&jet) {
             c.all_close(key, got, &vector::<4>(e, key)?, ALLOWED);
         }
@@ -120,8 +136,9 @@ fn polynomial_form(i: &Value, o: &Value) -> Result<Checks, String> {
 
 fn rational_form(i: &Value, o: &Value) -> Result<Checks, String> {
     let mut c = Checks::default();
-    let s = DualCurve::general(degree(i)?, numbers(i, "knots")?, vectors::<4>(i, "control_planes")?).map_err(text)?;
-    let (a, b) = (vector::<4>(i, "planeA")?, vector::<4>(i, "planeB")?);
+    let control = vectors::<4>(i, "control_planes")?.into_iter().map(plane).collect();
+    let s = DualCurve::general(degree(i)?, numbers(i, "knots")?, control).map_err(text)?;
+    let (a, b) = (plane(vector::<4>(i, "planeA")?), plane(vector::<4>(i, "planeB")?));
     let curves = [s.rational_section(&a).map_err(text)?, s.rational_section(&b).map_err(text)?];
     c.close("degree", curves[0].knots.degree() as f64, number(o, "out_degree")?, ALLOWED);
     for e in list(o, "points")? {
@@ -200,7 +217,7 @@ fn plane_data(i: &Value, parameters: &[f64]) -> Result<Vec<PlaneDatum>, String> 
 }
 
 fn control_of(s: &DualCurve) -> Vec<[f64; 3]> {
-    s.planes().control.iter().map(|p| [p[0], p[1], p[2]]).collect()
+    s.graphs().control
 }
 
 /// The case that another one refers to by its kind.
@@ -306,7 +323,7 @@ fn f3(i: &Value, o: &Value) -> Result<Checks, String> {
         });
     }
     let fit = slope_fit(&data, &knots(i, degree(i)?, "knots")?, &SlopeOptions::default()).map_err(text)?;
-    let got: Vec<[f64; 2]> = fit.curve.planes().control.iter().map(|p| [p[0], p[1]]).collect();
+    let got: Vec<[f64; 2]> = fit.curve.graphs().control.iter().map(|p| [p[0], p[1]]).collect();
     rows(&mut c, "control", &got, &vectors::<2>(o, "u01")?);
     let wanted = number(o, "F3")?;
     c.at_most("F3", (fit.cost - wanted).abs(), ALLOWED * wanted);
@@ -329,7 +346,7 @@ fn regression_control(i: &Value, o: &Value) -> Result<Checks, String> {
         }
         let side = if got.side > 0.0 { "plus" } else { "minus" };
         c.holds("the nearer side", (got.side > 0.0) == (costs[0] <= costs[1]));
-        let control: Vec<[f64; 2]> = got.fit.curve.planes().control.iter().map(|p| [p[0], p[1]]).collect();
+        let control: Vec<[f64; 2]> = got.fit.curve.graphs().control.iter().map(|p| [p[0], p[1]]).collect();
         rows(&mut c, "control", &control, &vectors::<2>(&e[side], "u01")?);
     }
     Ok(c)

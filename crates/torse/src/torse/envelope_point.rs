@@ -6,12 +6,12 @@ use super::ruled_point::RuledPoint;
 use crate::geom::Vec3;
 use nalgebra::Matrix3;
 
-/// A plane `n·x + n₀ = 0` that moves with u, and its first two derivatives. Lengths in mm, n of any length but 0.
+/// A plane `n·X = h` that moves with u, and its first two derivatives. Lengths in mm, n of any length but 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnvelopePoint {
     /// `n`, `n'`, `n''`.
     pub normal: [Vec3; 3],
-    /// `n₀`, `n₀'`, `n₀''`.
+    /// `h`, `h'`, `h''`.
     pub offset: [f64; 3],
 }
 
@@ -27,16 +27,16 @@ impl EnvelopePoint {
         // n' may have a part along n, from a normal that changes its length; it moves nothing.
         let along = self.normal[1].dot(&self.normal[0]) / self.normal[0].norm_squared();
         let m = self.normal[1] - self.normal[0] * along;
-        let m0 = self.offset[1] - self.offset[0] * along;
+        let turned = self.offset[1] - self.offset[0] * along;
         if m.norm() <= NO_POINT * self.normal[1].norm() {
             return None;
         }
         let direction = normal.cross(&m).try_normalize(0.0)?;
-        let point = -normal * (self.offset[0] / self.normal[0].norm()) - m * (m0 / m.norm_squared());
+        let point = normal * (self.offset[0] / self.normal[0].norm()) + m * (turned / m.norm_squared());
         Some(Ruling { point, direction, normal })
     }
 
-    /// The point in which the plane meets its next two neighbours: `n·x + n₀ = n'·x + n₀' = n''·x + n₀'' = 0`.
+    /// The point in which the plane meets its next two neighbours: `n·X = h`, `n'·X = h'`, `n''·X = h''`.
     /// `None` for cylinders (no point) and planes that stand still.
     pub fn regression_point(&self) -> Option<Vec3> {
         let mut rows = [Vec3::zeros(); 3];
@@ -44,7 +44,7 @@ impl EnvelopePoint {
         for k in 0..3 {
             let length = self.normal[k].norm();
             rows[k] = self.normal[k].try_normalize(0.0)?;
-            right[k] = -self.offset[k] / length;
+            right[k] = self.offset[k] / length;
         }
         let m = Matrix3::from_rows(&rows.map(|r| r.transpose()));
         let svd = m.svd(true, true);
@@ -63,7 +63,7 @@ impl EnvelopePoint {
         let scale = at.r.norm() * at.a_dot.norm().max(at.r_dot.norm());
         let n = if first.norm() > NO_POINT * scale { first } else { second };
         let n = n.try_normalize(0.0)?;
-        Some((n, -n.dot(a)))
+        Some((n, n.dot(a)))
     }
 }
 
@@ -76,7 +76,7 @@ mod tests {
         let (s, c) = t.sin_cos();
         EnvelopePoint {
             normal: [Vec3::new(p * s, -p * c, 1.0), Vec3::new(p * c, p * s, 0.0), Vec3::new(-p * s, p * c, 0.0)],
-            offset: [-p * t, -p, 0.0],
+            offset: [p * t, p, 0.0],
         }
     }
 
@@ -111,7 +111,7 @@ mod tests {
         let (s, c) = 0.4f64.sin_cos();
         let cylinder = EnvelopePoint {
             normal: [Vec3::new(c, s, 0.0), Vec3::new(-s, c, 0.0), Vec3::new(-c, -s, 0.0)],
-            offset: [-1.0, 0.0, 0.0],
+            offset: [1.0, 0.0, 0.0],
         };
         assert!(cylinder.regression_point().is_none());
         assert!((cylinder.ruling().expect("ruling").direction - Vec3::z()).norm() < 1e-14);
@@ -124,9 +124,9 @@ mod tests {
         let t = 0.3f64;
         let r = Vec3::new(-t.sin(), t.cos(), 0.5);
         let at = RuledPoint { a_dot: r, r, r_dot: Vec3::new(-t.cos(), -t.sin(), 0.0) };
-        let (n, n0) = EnvelopePoint::tangent_plane(&at, &Vec3::new(t.cos(), t.sin(), 0.5 * t)).expect("a plane");
+        let (n, h) = EnvelopePoint::tangent_plane(&at, &Vec3::new(t.cos(), t.sin(), 0.5 * t)).expect("a plane");
         let e = osculating(t, 0.5);
         assert!(n.cross(&e.normal[0]).norm() < 1e-13);
-        assert!((n0.abs() - (e.offset[0] / e.normal[0].norm()).abs()).abs() < 1e-13);
+        assert!((h.abs() - (e.offset[0] / e.normal[0].norm()).abs()).abs() < 1e-13);
     }
 }

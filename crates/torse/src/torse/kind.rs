@@ -5,19 +5,19 @@ use super::form::PanelKind;
 use super::strip::Strip;
 use crate::geom::Vec3;
 
-/// A tangent plane `n·x + n₀ = 0`.
+/// A tangent plane `n·X = h`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentPlane {
     /// Normal; of unit length unless said otherwise.
     pub normal: Vec3,
-    /// Offset, mm.
+    /// `h`, mm.
     pub offset: f64,
 }
 
 impl TangentPlane {
     /// The plane through a point.
     pub fn through(point: &Vec3, normal: Vec3) -> Self {
-        Self { normal, offset: -normal.dot(point) }
+        Self { normal, offset: normal.dot(point) }
     }
 
     /// The tangent plane of a strip along its ruling at `u`, in the middle of the ruling where it is twisted. `None`
@@ -100,9 +100,9 @@ mod tests {
                 .expect("strip")
         };
         let t = TangentPlane::of(&strip(1.0), 0.3).expect("a plane");
-        assert!((t.normal.z.abs() - 1.0).abs() < 1e-15 && (t.offset * t.normal.z + 1.0).abs() < 1e-15);
+        assert!((t.normal.z.abs() - 1.0).abs() < 1e-15 && (t.offset * t.normal.z - 1.0).abs() < 1e-15);
         let t = TangentPlane::of(&strip(2.0), 0.5).expect("a plane");
-        assert!((t.normal.dot(&x(1.5, 1.0, 1.25)) + t.offset).abs() < 1e-15);
+        assert!((t.normal.dot(&x(1.5, 1.0, 1.25)) - t.offset).abs() < 1e-15);
         assert_eq!(EnvelopeShape::Tangent.kind(), PanelKind::Torse);
     }
 }

@@ -165,7 +165,7 @@ impl QuadStrip {
         (self.b[i + 1] - self.a[i], self.b[i] - self.a[i + 1])
     }
 
-    /// Plane of quadrilateral `i`: unit normal and offset of `n·x + n₀ = 0`, through the mean of the corners and along
+    /// Plane of quadrilateral `i`: unit normal and offset of `n·X = h`, through the mean of the corners and along
     /// both diagonals. `None` for a quadrilateral whose diagonals are parallel.
     pub fn plane(&self, i: usize) -> Option<(Vec3, f64)> {
         let (d, e) = self.diagonals(i);
@@ -175,7 +175,7 @@ impl QuadStrip {
         }
         let n = n.normalize();
         let mean = (self.a[i] + self.a[i + 1] + self.b[i] + self.b[i + 1]) * 0.25;
-        Some((n, -n.dot(&mean)))
+        Some((n, n.dot(&mean)))
     }
 
     /// Where the lines of rulings `i` and `i + 1` meet, as shares of both (0 on `a`, 1 on `b`): the points nearest to
@@ -305,8 +305,8 @@ mod tests {
             assert!((s.regression_point(i).expect("a point") - Vec3::new(0.0, 0.0, 2.0)).norm() < 1e-13);
             assert!(s.ruling_distance(i) < 1e-15);
             assert!((s.regression_clearance(i) - 1.25f64.sqrt()).abs() < 1e-13);
-            let (n, n0) = s.plane(i).expect("a plane");
-            assert!(s.a().iter().skip(i).take(2).all(|p| (n.dot(p) + n0).abs() < 1e-15));
+            let (n, h) = s.plane(i).expect("a plane");
+            assert!(s.a().iter().skip(i).take(2).all(|p| (n.dot(p) - h).abs() < 1e-15));
         }
         // All bends of a rotational cone are equal.
         assert!(s.bend(1).abs() > 0.04 && s.bend_jump() < 1e-12);

@@ -129,7 +129,7 @@ fn planes_of_a_thinned_dual_spline_stay_within_the_bound() {
         let disc = Measure::disc([0.0, 0.0], 1.0).expect("a disc");
         let mut worst = 0.0_f64;
         for i in 0..=2000 {
-            let [u, v] = [&given, &found].map(|c| c.planes().point(f64::from(i) / 2000.0));
+            let [u, v] = [&given, &found].map(|c| c.graphs().point(f64::from(i) / 2000.0));
             let e = [0, 1, 2].map(|d| u[d] - v[d]);
             assert!(e.iter().all(|x| x.abs() <= t.error_bound + ROUNDING), "{e:?} {}", t.error_bound);
             // Root mean square over the disc: 1, 1/4 and 1/4 are the moments per area.

@@ -42,14 +42,14 @@ fn planes_of_a_spline_are_reproduced_with_any_metric() {
         let given: Vec<PlaneDatum> = (0..25)
             .map(|i| {
                 let t = f64::from(i) / 24.0;
-                let u = truth.planes().point(t);
+                let u = truth.graphs().point(t);
                 PlaneDatum { plane: [u[0], u[1], u[2]], parameter: t, measure, weight: 1.0 }
             })
             .collect();
         let fit = planes(&given, &knots, &PlanesOptions::default()).expect("a fit");
         assert!(fit.cost < 1e-24);
-        for (a, b) in fit.curve.planes().control.iter().zip(&truth.planes().control) {
-            assert!((0..4).all(|d| (a[d] - b[d]).abs() < 1e-9));
+        for (a, b) in fit.curve.graphs().control.iter().zip(&truth.graphs().control) {
+            assert!((0..3).all(|d| (a[d] - b[d]).abs() < 1e-9));
         }
     }
 }
@@ -78,7 +78,7 @@ fn joint_iteration_is_fifty_times_better_than_two_hundred_corrections() {
     let given: Vec<PlaneDatum> = (0..41)
         .map(|i| {
             let s = f64::from(i) / 40.0;
-            let u = truth.planes().point(s);
+            let u = truth.graphs().point(s);
             PlaneDatum { plane: [u[0], u[1], u[2]], parameter: s.powf(1.3), measure: square(), weight: 1.0 }
         })
         .collect();
@@ -131,11 +131,11 @@ fn degree_reduction_does_not_depend_on_a_constant_metric() {
     let disc = Measure::disc([2.0, -1.0], 0.3).expect("disc");
     let a = reduced(&source, &target, &|_| square(), true).expect("a fit");
     let b = reduced(&source, &target, &|_| disc, true).expect("a fit");
-    for (p, q) in a.curve.planes().control.iter().zip(&b.curve.planes().control) {
+    for (p, q) in a.curve.graphs().control.iter().zip(&b.curve.graphs().control) {
         assert!((0..3).all(|d| (p[d] - q[d]).abs() < 1e-9));
     }
-    let (from, to) = (source.jet(0.0)[0], a.curve.jet(0.0)[0]);
-    assert!((0..4).all(|d| (from[d] - to[d]).abs() < 1e-14));
+    let (from, to) = (source.graph_jet(0.0)[0], a.curve.graph_jet(0.0)[0]);
+    assert!((0..3).all(|d| (from[d] - to[d]).abs() < 1e-14));
     assert!(a.cost > 0.0 && a.worst_estimate >= a.cost.sqrt() * 0.5);
 }
 
@@ -145,7 +145,7 @@ fn interpolation_meets_all_planes() {
     let given: Vec<[f64; 3]> = t.iter().map(|&t| smooth(t)).collect();
     let curve = interpolated(&given, &t, 3).expect("a curve");
     for (t, p) in t.iter().zip(&given) {
-        let u = curve.planes().point(*t);
+        let u = curve.graphs().point(*t);
         assert!((0..3).all(|d| (u[d] - p[d]).abs() < 1e-11));
     }
     assert!(matches!(interpolated(&given, &[0.0; 15], 3), Err(PlanesError::Order { index: 1, .. })));
@@ -161,20 +161,20 @@ fn rulings_and_points_pull_the_surface() {
     let mut given = SlopeData::default();
     for i in 0..12 {
         let t = f64::from(i) / 11.0;
-        let u = truth.planes().point(t);
+        let u = truth.graphs().point(t);
         given.planes.push(PlaneDatum { plane: [u[0], u[1], t], parameter: t, measure: square(), weight: 1.0 });
     }
-    let d = truth.jet(0.4)[1];
+    let d = truth.graph_jet(0.4)[1];
     let along = LineMeasure::interval(-1.0, 1.0).expect("an interval");
     given.rulings.push(RulingDatum { parameter: 0.4, ground_plan: [d[0], d[1]], along, weight: 2.0 });
-    let e = truth.jet(0.7)[1];
+    let e = truth.graph_jet(0.7)[1];
     given.points.push(PointDatum { parameter: 0.7, ground_plan: [0.5, -(e[0] + 0.5 * e[1])], weight: 1.0 });
     let exact = slope_fit(&given, &knots, &SlopeOptions::default()).expect("a fit");
     assert!(exact.cost < 1e-22);
     // Another ruling pulls: the fit comes nearer to it than the planes alone leave it.
     given.rulings[0].ground_plan[0] += 0.3;
     let pulled = slope_fit(&given, &knots, &SlopeOptions::default()).expect("a fit");
-    let off = |c: &DualCurve| (c.jet(0.4)[1][0] - given.rulings[0].ground_plan[0]).abs();
+    let off = |c: &DualCurve| (c.graph_jet(0.4)[1][0] - given.rulings[0].ground_plan[0]).abs();
     assert!(off(&pulled.curve) < 0.9 * off(&exact.curve));
     given.planes[3].parameter += 0.01;
     assert!(matches!(slope_fit(&given, &knots, &SlopeOptions::default()), Err(PlanesError::Parameter { .. })));
@@ -305,7 +305,10 @@ fn robust_weights_reject_rulings_points_and_dents() {
     let off = |robust: bool| {
         let options = SlopeOptions { robust, ..SlopeOptions::default() };
         let f = slope_fit(&data, &knots, &options).expect("a fit");
-        (0..=20).map(|i| f64::from(i) / 20.0).map(|t| (f.curve.jet(t)[1][0] - 3.0 * t * t).abs()).fold(0.0, f64::max)
+        (0..=20)
+            .map(|i| f64::from(i) / 20.0)
+            .map(|t| (f.curve.graph_jet(t)[1][0] - 3.0 * t * t).abs())
+            .fold(0.0, f64::max)
     };
     assert!(off(true) < 2e-3 && off(false) > 0.05, "{} {}", off(true), off(false));
     // A source with a dent, reduced to few knots.
@@ -318,7 +321,7 @@ fn robust_weights_reject_rulings_points_and_dents() {
         })
         .collect();
     let source = DualCurve::graph(3, fine.values().to_vec(), &control).expect("planes");
-    let smooth = |c: &DualCurve| (c.planes().point(0.5)[0] - 0.25).abs();
+    let smooth = |c: &DualCurve| (c.graphs().point(0.5)[0] - 0.25).abs();
     let measure = |_: f64| square();
     let plain = reduced(&source, &knots, &measure, false).expect("a reduction");
     let robust = reduced_robustly(&source, &knots, &measure, false).expect("a reduction");

@@ -107,7 +107,7 @@ fn a_box_binds_only_the_rulings_that_meet_it() {
     assert!(boxed.fit.cost <= wide.fit.cost * (1.0 + 1e-9));
     for i in 0..=400 {
         let t = f64::from(i) / 400.0;
-        let [_, d, s] = boxed.fit.curve.jet(t);
+        let [_, d, s] = boxed.fit.curve.graph_jet(t);
         let x = -s[0] / s[1];
         let y = -(d[0] + d[1] * x);
         assert!(!(x > min[0] + 1e-6 && x < max[0] - 1e-6 && y > min[1] + 1e-6 && y < max[1] - 1e-6), "{t}: {x} {y}");
@@ -127,11 +127,11 @@ fn zones_that_depend_on_the_ruling_are_kept_free() {
     let same = regression_free_where(&data, &knots, &|_, _| Some((-0.5, 0.5)), &options).expect("a fit");
     assert!((same.fit.cost - slab.fit.cost).abs() <= 1e-9 * slab.fit.cost);
     // A strip that moves with its rulings: the interval follows the heights of each fit.
-    let moving = |c: &DualCurve, t: f64| Some((-0.4 + c.jet(t)[0][0], 0.4 + c.jet(t)[0][0]));
+    let moving = |c: &DualCurve, t: f64| Some((-0.4 + c.graph_jet(t)[0][0], 0.4 + c.graph_jet(t)[0][0]));
     let got = regression_free_where(&data, &knots, &moving, &options).expect("a fit");
     for i in 0..=400 {
         let t = f64::from(i) / 400.0;
-        let (p, z) = (got.fit.curve.regression_point(t), got.fit.curve.jet(t)[0][0]);
+        let (p, z) = (got.fit.curve.regression_point(t), got.fit.curve.graph_jet(t)[0][0]);
         assert!((p[0] / p[3] - z).abs() > 0.4 - 1e-6, "{t}");
     }
     let free = regression_free_where(&data, &knots, &|_, _| None, &options).expect("a fit");

@@ -22,7 +22,7 @@ const ASTRAY: f64 = 0.1;
 /// Halvings of all spans that are tried to make the weights positive.
 const REFINEMENTS: usize = 3;
 /// The plane at infinity: its section with rulings are their directions.
-const FAR: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+const FAR: [f64; 4] = [0.0, 0.0, 0.0, -1.0];
 /// Degree of μ.
 const CUBIC: usize = 3;
 
@@ -156,8 +156,7 @@ fn node(
     let p = vector(&f[0]) / w;
     let dp = (vector(&f[1]) - p * dw) / w;
     let (e, de) = (vector(&e[0]), vector(&e[1]));
-    let normal = |u: &[f64; 4]| Vec3::new(u[1], u[2], u[3]);
-    let (n, dn) = (normal(&u[0]), normal(&u[1]));
+    let (n, dn) = (vector(&u[0]), vector(&u[1]));
     // The plane through the ruling, square to the surface, meets the rail.
     let k = e.cross(&n);
     let dk = de.cross(&n) + e.cross(&dn);

@@ -127,13 +127,13 @@ struct Scale {
     per_parameter: f64,
 }
 
-/// `(n, n₀)` with unit normals of continuous sense, offsets from the centre in units of the size.
+/// `(n, h)` with unit normals of continuous sense, offsets from the centre in units of the size.
 fn coordinates(planes: &[TangentPlane], options: &DecomposeOptions) -> Result<Vec<[f64; 4]>, DecomposeError> {
     let mut out: Vec<[f64; 4]> = Vec::with_capacity(planes.len());
     let mut before = Vec3::zeros();
     for (i, p) in planes.iter().enumerate() {
         let length = p.normal.norm();
-        let offset = (p.offset + p.normal.dot(&options.centre)) / options.size;
+        let offset = (p.offset - p.normal.dot(&options.centre)) / options.size;
         if !(length.is_finite() && length > 0.0 && offset.is_finite()) {
             return Err(DecomposeError::Plane(i));
         }
@@ -230,7 +230,7 @@ fn run(
             let length = Vec3::new(a, b, c).norm();
             let normal = Vec3::new(a, b, c) / length;
             EnvelopeShape::Plane {
-                plane: TangentPlane { normal, offset: d / length * options.size - normal.dot(&options.centre) },
+                plane: TangentPlane { normal, offset: d / length * options.size + normal.dot(&options.centre) },
             }
         }
         Model::Cylinder => EnvelopeShape::Cylinder { direction: moment.axis() },

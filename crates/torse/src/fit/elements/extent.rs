@@ -76,9 +76,9 @@ pub fn strip_by_slope(name: &str, found: &Sloped, error: f64, elements: &[Contac
 /// A curve of planes of type (3) continued a little beyond both ends.
 fn continued(curve: &DualCurve) -> Option<DualCurve> {
     let (a, b) = curve.domain();
-    let planes = Pieces::of(curve.planes())?.on(a - MARGIN * (b - a), b + MARGIN * (b - a), 0.0).to_curve().ok()?;
-    let control: Vec<[f64; 2]> = planes.control.iter().map(|c| [c[0], c[1]]).collect();
-    DualCurve::slope(planes.knots.degree(), planes.knots.values().to_vec(), &control).ok()
+    let graphs = Pieces::of(&curve.graphs())?.on(a - MARGIN * (b - a), b + MARGIN * (b - a), 0.0).to_curve().ok()?;
+    let control: Vec<[f64; 2]> = graphs.control.iter().map(|c| [c[0], c[1]]).collect();
+    DualCurve::slope(graphs.knots.degree(), graphs.knots.values().to_vec(), &control).ok()
 }
 
 /// How far the centre of the region of a plane may lie beside a torse that touches the plane there, as a share of its radius.

@@ -99,12 +99,11 @@ fn distances(elements: &[ContactElement], tolerance: f64) -> Option<Vec<(f64, f6
     let wanted = knots_wanted(elements.len(), &SequenceOptions { robust: true, ..SequenceOptions::new(tolerance) });
     let few = crate::fit::planes::knot_choice::planes_within(&data, &wanted).ok()?;
     let found = joint(&data, few.curve.knots(), &wanted.fit, &JointOptions::default()).ok()?;
-    // The plane z = u0 + u1 x + u2 y of the frame, as n·X = h in the world.
+    // The plane of the frame in the world.
     let far = |(e, t): (&ContactElement, &f64)| {
-        let [u0, u1, u2, _] = found.fit.curve.planes().point(*t);
-        let local = Vec3::new(-u1, -u2, 1.0);
-        let n = frame.vector_to_world(&local);
-        distance(e, &n, (u0 + n.dot(&frame.origin)) / n.norm())
+        let [x, y, _, height] = found.fit.curve.planes().point(*t);
+        let n = frame.vector_to_world(&Vec3::new(x, y, 1.0));
+        distance(e, &n, (height + n.dot(&frame.origin)) / n.norm())
     };
     Some(elements.iter().zip(&found.parameters).map(far).zip(found.fit.trust.iter().copied()).collect())
 }

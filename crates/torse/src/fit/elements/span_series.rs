@@ -39,7 +39,7 @@ impl Bending {
     fn of(curve: &DualCurve, size: [f64; 3]) -> Option<Self> {
         // Where nothing bends spans are laid all the same.
         const FLOOR: f64 = 0.1;
-        let pieces = Pieces::of(curve.planes())?;
+        let pieces = Pieces::of(&curve.graphs())?;
         let spans = pieces.power.len();
         let h: Vec<f64> = pieces.breaks.windows(2).map(|w| w[1] - w[0]).collect();
         let jump = |i: usize| -> f64 {

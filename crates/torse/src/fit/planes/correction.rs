@@ -60,7 +60,7 @@ pub fn corrected(
     let mut history = vec![fit.cost];
     for _ in 0..count {
         let before = data.clone();
-        correct(&mut data, fit.curve.planes());
+        correct(&mut data, &fit.curve.graphs());
         let next = planes(&data, knots, options)?;
         if next.cost > fit.cost {
             // Only smoothing or robust weights can do this; the last state is the better one.
@@ -74,7 +74,7 @@ pub fn corrected(
 }
 
 /// One correction of all parameters but the first and the last.
-fn correct(data: &mut [PlaneDatum], curve: &Curve<4>) {
+fn correct(data: &mut [PlaneDatum], curve: &Curve<3>) {
     // Halvings after which a parameter stays where it is.
     const HALVINGS: usize = 30;
     let (from, to) = curve.domain();
@@ -135,7 +135,7 @@ pub fn joint(
     let objective =
         Objective { data: &data, knots, bending: bending(&data, &roots, knots, &freedoms, options.smoothing) };
     let mut parameters = start.parameters;
-    let mut control: Vec<[f64; 3]> = start.fit.curve.planes().control.iter().map(|p| [p[0], p[1], p[2]]).collect();
+    let mut control = start.fit.curve.graphs().control;
     let mut history = start.history;
     let (mut places, mut spare) = (Vec::new(), Vec::new());
     let mut cost = objective.placed(&parameters, &control, &mut places);

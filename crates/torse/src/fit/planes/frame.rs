@@ -127,7 +127,7 @@ pub struct PlaneSegment {
 /// # Errors
 /// A plane without a normal. Fewer than two planes give no segment.
 pub fn segments(planes: &[Plane], by_slope: bool) -> Result<Vec<PlaneSegment>, FrameError> {
-    let normals: Vec<Vec3> = planes.iter().map(|p| Vec3::new(p[1], p[2], p[3])).collect();
+    let normals: Vec<Vec3> = planes.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
     if let Some(index) = normals.iter().position(|n| !(n.norm() > 0.0 && n.norm().is_finite())) {
         return Err(FrameError::Normal { index, count: planes.len() });
     }

@@ -71,10 +71,8 @@ fn reduction(
             to: b,
         });
     }
-    let graph = |t: f64| {
-        let u = source.planes().point(t);
-        [u[0], u[1], u[2]]
-    };
+    let graphs = source.graphs();
+    let graph = |t: f64| graphs.point(t);
     let ends = [(0, Freedom::Fixed(graph(a))), (knots.control_count() - 1, Freedom::Fixed(graph(b)))];
     let bound = freedoms(knots, if keep_ends { &ends } else { &[] })?;
     let mut breaks = knots.breaks();
@@ -124,8 +122,9 @@ fn reduction(
         DualCurve::graph(knots.degree(), values, &control)?
     };
     let (mut cost, mut worst) = (0.0, 0.0f64);
+    let found = curve.graphs();
     for (t, weight, v, measure, _) in samples {
-        let u = curve.planes().point(t);
+        let u = found.point(t);
         let sq = measure.distance_sq(&[u[0] - v[0], u[1] - v[1], u[2] - v[2]]);
         cost += weight * sq;
         worst = worst.max((sq.max(0.0) / measure.mass()).sqrt());

@@ -165,8 +165,8 @@ impl<'a> Program<'a> {
         let margin = match (options.margin, &free) {
             (Some(m), _) => m,
             (None, Ok(fit)) => {
-                let control = &fit.curve.planes().control;
-                let size = |r: &SecondDerivative| (0..2).map(|d| r.value(control, d).abs()).fold(0.0, f64::max);
+                let control = fit.curve.graphs().control;
+                let size = |r: &SecondDerivative| (0..2).map(|d| r.value(&control, d).abs()).fold(0.0, f64::max);
                 RELATIVE_MARGIN * rows.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
             }
             (None, Err(e)) => return Err(e.clone().into()),
@@ -225,7 +225,7 @@ const RULINGS: usize = 16;
 
 /// The interval of x in which the ruling t is inside a box.
 fn part_in_box(curve: &DualCurve, t: f64, [min, max]: [&[f64; 3]; 2]) -> Option<(f64, f64)> {
-    let [u, d, _] = curve.jet(t);
+    let [u, d, _] = curve.graph_jet(t);
     // The ruling is y = −(u0' + u1' x), z = u0 + t y + u1 x.
     let (y, z) = ([-d[0], -d[1]], [u[0] - t * d[0], u[1] - t * d[1]]);
     let (mut a, mut b) = (min[0], max[0]);
@@ -245,7 +245,7 @@ fn meets(curve: &DualCurve, rows: &[SecondDerivative], forbidden: &Forbidden) ->
     rows.iter().any(|row| {
         (0..=RULINGS).any(|k| {
             let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;
-            let second = curve.jet(t)[2];
+            let second = curve.graph_jet(t)[2];
             let x = -second[0] / second[1];
             forbidden(curve, t).is_some_and(|(a, b)| x >= a && x <= b)
         })
@@ -275,7 +275,7 @@ impl ForbiddenZone {
         let mut extent = Vec::new();
         for k in 0..n {
             let t = from + (to - from) * k as f64 / (n - 1) as f64;
-            let d = fit.jet(t)[1];
+            let d = fit.graph_jet(t)[1];
             let side = |p: &[f64; 2]| p[1] + d[0] + d[1] * p[0];
             let mut hull = (f64::INFINITY, f64::NEG_INFINITY);
             for (i, p) in outline.iter().enumerate() {
@@ -332,7 +332,7 @@ struct SecondDerivative {
 }
 
 impl SecondDerivative {
-    fn value(&self, control: &[[f64; 4]], d: usize) -> f64 {
+    fn value(&self, control: &[[f64; 3]], d: usize) -> f64 {
         self.factors.iter().zip(&control[self.first..]).map(|(f, c)| f * c[d]).sum()
     }
 }

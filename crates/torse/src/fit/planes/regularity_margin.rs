@@ -66,7 +66,7 @@ pub(crate) fn controlled(
     let extent = Extent::of(places);
     let forbidden = |c: &DualCurve, t: f64| -> Option<(f64, f64)> {
         // The ruling is y = −(u0' + u1' x), z = u0 + t y + u1 x.
-        let [u, d, _] = c.jet(t);
+        let [u, d, _] = c.graph_jet(t);
         let point = Vec3::new(0.0, -d[0], u[0] - t * d[0]);
         let along = Vec3::new(1.0, -d[1], u[1] - t * d[1]);
         let length = along.norm();

@@ -106,17 +106,17 @@ pub(crate) fn trusted(data: &SlopeData, trust: &[f64]) -> SlopeData {
 /// Distances of planes, rulings and points, without weights.
 fn residuals(data: &SlopeData, curve: &DualCurve) -> [Vec<f64>; 3] {
     let planes = data.planes.iter().map(|d| {
-        let u = curve.planes().point(d.parameter);
+        let [u, ..] = curve.graph_jet(d.parameter);
         let e = [u[0] - d.plane[0], u[1] - d.plane[1], d.parameter - d.plane[2]];
         (d.measure.distance_sq(&e).max(0.0) / d.measure.mass()).sqrt()
     });
     let rulings = data.rulings.iter().map(|r| {
-        let d = curve.jet(r.parameter)[1];
+        let d = curve.graph_jet(r.parameter)[1];
         let (e, g) = ([r.ground_plan[0] - d[0], r.ground_plan[1] - d[1]], r.along.gram);
         (e[0] * (g[0][0] * e[0] + g[0][1] * e[1]) + e[1] * (g[1][0] * e[0] + g[1][1] * e[1])).max(0.0).sqrt()
     });
     let points = data.points.iter().map(|p| {
-        let d = curve.jet(p.parameter)[1];
+        let d = curve.graph_jet(p.parameter)[1];
         (d[0] + d[1] * p.ground_plan[0] + p.ground_plan[1]).abs()
     });
     [planes.collect(), rulings.collect(), points.collect()]
@@ -127,16 +127,16 @@ pub(crate) fn fit_of(data: &SlopeData, knots: &Knots, control: &[[f64; 2]]) -> R
     let curve = DualCurve::slope(knots.degree(), knots.values().to_vec(), control)?;
     let mut cost = 0.0;
     for d in &data.planes {
-        let u = curve.planes().point(d.parameter);
+        let [u, ..] = curve.graph_jet(d.parameter);
         cost += d.weight * d.measure.distance_sq(&[u[0] - d.plane[0], u[1] - d.plane[1], d.parameter - d.plane[2]]);
     }
     for r in &data.rulings {
-        let d = curve.jet(r.parameter)[1];
+        let d = curve.graph_jet(r.parameter)[1];
         let (e, g) = ([r.ground_plan[0] - d[0], r.ground_plan[1] - d[1]], r.along.gram);
         cost += r.weight * (e[0] * (g[0][0] * e[0] + g[0][1] * e[1]) + e[1] * (g[1][0] * e[0] + g[1][1] * e[1]));
     }
     for p in &data.points {
-        let d = curve.jet(p.parameter)[1];
+        let d = curve.graph_jet(p.parameter)[1];
         cost += p.weight * (d[0] + d[1] * p.ground_plan[0] + p.ground_plan[1]).powi(2);
     }
     let count = data.planes.len() + data.rulings.len() + data.points.len();

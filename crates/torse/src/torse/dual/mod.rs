@@ -1,8 +1,8 @@
 //! Developable surfaces as curves of planes: the dual representation \[PW99\], types (1), (2) and (3).
 //!
-//! A plane is `u0 + u1 x + u2 y + u3 z = 0` with coordinates `(u0, u1, u2, u3)`. A spline of planes is
+//! A plane is `n·X = h` with coordinates `(n_x, n_y, n_z, h)`. A spline of planes is
 //! - *general* (type 1): any coordinates, factors included;
-//! - a *graph* (type 2): `u3 = −1`, so that planes are the graphs `z = u0 + u1 x + u2 y`;
+//! - a *graph* (type 2): `n_z = 1`, so that planes are the graphs `z = u0 + u1 x + u2 y` with `(u0, u1, u2) = (h, −n_x, −n_y)`;
 //! - *by slope* (type 3): in addition `u2(t) = t`; the parameter is the slope in y.
 //!
 //! Rulings are `U ∩ U'`, regression points `U ∩ U' ∩ U''`. Nothing here knows where the planes come from.
@@ -27,9 +27,9 @@ use crate::spline::SplineError;
 pub enum DualKind {
     /// Type (1): any coordinates.
     General,
-    /// Type (2): `u3 = −1`.
+    /// Type (2): `n_z = 1`.
     Graph,
-    /// Type (3): `u3 = −1` and `u2 = t`.
+    /// Type (3): `n_z = 1` and `n_y = −t`.
     Slope,
 }
 
@@ -121,7 +121,7 @@ impl DualCurve {
     /// # Errors
     /// As [`DualCurve::general`].
     pub fn graph(degree: usize, knots: Vec<f64>, control: &[[f64; 3]]) -> Result<Self, DualError> {
-        let control = control.iter().map(|c| [c[0], c[1], c[2], -1.0]).collect();
+        let control = control.iter().map(of_graph).collect();
         Ok(Self { kind: DualKind::Graph, planes: Curve::new(degree, knots, control)? })
     }
 
@@ -134,7 +134,7 @@ impl DualCurve {
         let v = knots.values().to_vec();
         // The identity has the Greville abscissae as control values.
         let greville = |i: usize| v[i + 1..=i + degree].iter().sum::<f64>() / degree as f64;
-        let control = control.iter().enumerate().map(|(i, c)| [c[0], c[1], greville(i), -1.0]).collect();
+        let control = control.iter().enumerate().map(|(i, c)| of_graph(&[c[0], c[1], greville(i)])).collect();
         Ok(Self { kind: DualKind::Slope, planes: Curve::new(degree, v, control)? })
     }
 
@@ -143,7 +143,7 @@ impl DualCurve {
         self.kind
     }
 
-    /// The spline of plane coordinates `(u0, u1, u2, u3)`.
+    /// The spline of plane coordinates `(n_x, n_y, n_z, h)`.
     pub fn planes(&self) -> &Curve<4> {
         &self.planes
     }
@@ -163,6 +163,16 @@ impl DualCurve {
         self.planes.jet(t)
     }
 
+    /// The spline of the graphs `(u0, u1, u2)`; of type (1), planes that are none say nothing.
+    pub fn graphs(&self) -> Curve<3> {
+        Curve { knots: self.planes.knots.clone(), control: self.planes.control.iter().map(graph_of).collect() }
+    }
+
+    /// The graph `(u0, u1, u2)` at `t` with its first two derivatives; see [`DualCurve::graphs`].
+    pub fn graph_jet(&self, t: f64) -> [[f64; 3]; 3] {
+        self.jet(t).map(|plane| graph_of(&plane))
+    }
+
     /// Ruling and tangent plane at `t`; the point is the one nearest the origin. Does not depend on factors of the
     /// planes.
     ///
@@ -171,14 +181,14 @@ impl DualCurve {
     pub fn ruling(&self, t: f64) -> Result<Ruling, DualError> {
         // Share of the lengths below which the direction is rounding only.
         const STILL: f64 = 1e-14;
-        let [u, du, _] = self.jet(t);
-        let (n, m) = (Vec3::new(u[1], u[2], u[3]), Vec3::new(du[1], du[2], du[3]));
+        let [plane, turning, _] = self.jet(t);
+        let (n, m) = (normal_of(&plane), normal_of(&turning));
         let e = n.cross(&m);
         let size = e.norm();
         if size.is_nan() || size <= STILL * n.norm() * m.norm() {
             return Err(DualError::NoRuling { t });
         }
-        let point = -(m.cross(&e) * u[0] + e.cross(&n) * du[0]) / e.norm_squared();
+        let point = (m.cross(&e) * plane[3] + e.cross(&n) * turning[3]) / e.norm_squared();
         Ok(Ruling { point, direction: e.normalize(), normal: n.normalize() })
     }
 
@@ -196,16 +206,11 @@ impl DualCurve {
     pub fn transformed(&self, map: &Placement) -> Result<Self, DualError> {
         let inverse = map.inverse().ok_or(DualError::Singular)?;
         // A plane is a linear form: composed with the inverse map.
-        let control = self
-            .planes
-            .control
-            .iter()
-            .map(|c| {
-                let n = inverse.linear.transpose() * Vec3::new(c[1], c[2], c[3]);
-                let shift = Vec3::new(c[1], c[2], c[3]).dot(&inverse.shift);
-                [c[0] + shift, n.x, n.y, n.z]
-            })
-            .collect();
+        let moved = |c: &Plane| {
+            let n = inverse.linear.transpose() * normal_of(c);
+            [n.x, n.y, n.z, c[3] - normal_of(c).dot(&inverse.shift)]
+        };
+        let control = self.planes.control.iter().map(moved).collect();
         Ok(Self { kind: DualKind::General, planes: Curve { knots: self.planes.knots.clone(), control } })
     }
 
@@ -241,10 +246,9 @@ impl DualCurve {
         Ok(Self { kind: self.kind, planes: self.planes.restricted(a, b)? })
     }
 
-    /// As the dual form that the judge, the development and the files know: `n(t)·X = h(t)`.
+    /// As the dual form that the judge, the development and the files know.
     pub fn to_torse(&self) -> DualTorse {
-        let control = self.planes.control.iter().map(|c| [-c[1], -c[2], -c[3], c[0]]).collect();
-        DualTorse { planes: Curve { knots: self.planes.knots.clone(), control } }
+        DualTorse { planes: self.planes.clone() }
     }
 
     /// Bézier pieces `(a, b, planes)` of the curve of planes.
@@ -253,9 +257,23 @@ impl DualCurve {
     }
 }
 
-/// Plane coordinates of the tangent plane of a point and unit normal.
+/// The plane that is the graph `z = u0 + u1 x + u2 y`.
+fn of_graph([u0, u1, u2]: &[f64; 3]) -> Plane {
+    [-u1, -u2, 1.0, *u0]
+}
+
+/// The graph of a plane with `n_z = 1`.
+fn graph_of([x, y, _, h]: &Plane) -> [f64; 3] {
+    [*h, -x, -y]
+}
+
+fn normal_of(plane: &Plane) -> Vec3 {
+    Vec3::new(plane[0], plane[1], plane[2])
+}
+
+/// Coordinates of the plane through a point with a normal.
 pub fn plane_through(point: &Vec3, normal: &Vec3) -> Plane {
-    [-normal.dot(point), normal.x, normal.y, normal.z]
+    [normal.x, normal.y, normal.z, normal.dot(point)]
 }
 
 /// Coordinates `(u0, u1, u2)` of a plane as a graph over the xy-plane of `frame`. `index` is for the message.
@@ -265,14 +283,14 @@ pub fn plane_through(point: &Vec3, normal: &Vec3) -> Plane {
 pub fn graph_in(frame: &Frame, plane: &Plane, index: usize) -> Result<[f64; 3], DualError> {
     // Steeper planes than this give coordinates that are rounding only.
     const STEEP: f64 = 1e-12;
-    let n = Vec3::new(plane[1], plane[2], plane[3]);
+    let n = normal_of(plane);
     let local = frame.vector_to_local(&n);
     let cosine = local.z / n.norm();
-    if !(cosine.abs() > STEEP && plane[0].is_finite() && cosine.is_finite()) {
+    if !(cosine.abs() > STEEP && plane[3].is_finite() && cosine.is_finite()) {
         return Err(DualError::Parallel { index, cosine });
     }
-    let u0 = plane[0] + n.dot(&frame.origin);
-    Ok([-u0 / local.z, -local.x / local.z, -local.y / local.z])
+    let height = plane[3] - n.dot(&frame.origin);
+    Ok([height / local.z, -local.x / local.z, -local.y / local.z])
 }
 
 #[cfg(test)]

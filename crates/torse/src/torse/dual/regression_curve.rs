@@ -52,7 +52,7 @@ fn general(u: &Bezier<4>) -> Bezier<4> {
 /// respect to the share of the span, which changes all of them by the same factor.
 fn by_slope(a: f64, b: f64, u: &Bezier<4>) -> Bezier<4> {
     let h = b - a;
-    let (p, q) = (u.component(0), u.component(1));
+    let (p, q) = (u.component(3), Bezier::constant([0.0]).minus(&u.component(0)));
     let (dp, dq) = (p.derivative(), q.derivative());
     let (ddp, ddq) = (dp.derivative(), dq.derivative());
     // Products of a function and the derivatives of another, antisymmetric: the leading coefficients cancel.

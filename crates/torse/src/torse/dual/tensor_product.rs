@@ -32,8 +32,9 @@ impl DualCurve {
             .pieces()
             .into_iter()
             .map(|(a, b, u)| {
+                // Heights of the planes over y = 0.
                 let h =
-                    u.component(0).plus(&Bezier::new(u.component(1).control().iter().map(|x| [c * x[0]]).collect()));
+                    u.component(3).minus(&Bezier::new(u.component(0).control().iter().map(|x| [c * x[0]]).collect()));
                 let slope = Bezier::new(h.derivative().control().iter().map(|x| [x[0] / (b - a)]).collect());
                 let z = h.minus(&slope.times(&Bezier::new(vec![[a], [b]])));
                 let y = slope.elevated(1);

@@ -45,7 +45,7 @@ const EXPLAINED: f64 = 1.5;
 /// Normals of a cone leave every plane by at least this many times the noise; otherwise the apex is not determined.
 const OUT_OF_PLANE: f64 = 4.0;
 
-/// Sums of products of the coordinates `(n, n₀)` of planes.
+/// Sums of products of the coordinates `(n, h)` of planes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
     length: f64,
@@ -123,12 +123,12 @@ impl Moment {
         e.eigenvectors.column(i).into_owned()
     }
 
-    /// The point nearest to all planes, by least squares of `n·x + n₀`.
+    /// The point nearest to all planes, by least squares of `n·X − h`.
     pub(super) fn apex(&self) -> Option<Vec3> {
         let [x, y, z, _] = self.offsets;
         // Cramer's rule without pivots loses digits only where the guard of `left` refuses a cone.
         let m = self.matrix();
-        let apex = m.try_inverse()? * -Vec3::new(x, y, z);
+        let apex = m.try_inverse()? * Vec3::new(x, y, z);
         apex.iter().all(|c| c.is_finite()).then_some(apex)
     }
 
@@ -147,7 +147,7 @@ impl Moment {
                 }
                 let p = self.apex()?;
                 let [x, y, z, d] = self.offsets;
-                let chi = p.dot(&(self.matrix() * p)) + 2.0 * p.dot(&Vec3::new(x, y, z)) + d;
+                let chi = p.dot(&(self.matrix() * p)) - 2.0 * p.dot(&Vec3::new(x, y, z)) + d;
                 Some(chi.max(0.0) / (1.0 + p.norm_squared()))
             }
             Model::Tangent => Some(0.0),

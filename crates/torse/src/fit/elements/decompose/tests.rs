@@ -4,7 +4,7 @@ use super::*;
 
 fn plane(n: Vec3, through: Vec3) -> TangentPlane {
     let n = n.normalize();
-    TangentPlane { normal: n, offset: -n.dot(&through) }
+    TangentPlane { normal: n, offset: n.dot(&through) }
 }
 
 fn flat(count: usize) -> Vec<TangentPlane> {
@@ -65,7 +65,7 @@ fn proposition_1_12_every_shape_is_found_with_its_parameters() {
     assert_eq!(summary(&runs), [(0, 20, "plane"), (20, 45, "cylinder"), (45, 70, "cone"), (70, 95, "tangent")]);
     assert!(runs.iter().all(|r| !r.ambiguous && r.residual < 1e-7));
     let EnvelopeShape::Plane { plane } = runs[0].shape else { panic!("{:?}", runs[0]) };
-    assert!((plane.normal - flat(1)[0].normal).norm() < 1e-12 && (plane.offset + 0.2).abs() < 1e-12);
+    assert!((plane.normal - flat(1)[0].normal).norm() < 1e-12 && (plane.offset - 0.2).abs() < 1e-12);
     let EnvelopeShape::Cylinder { direction } = runs[1].shape else { panic!("{:?}", runs[1]) };
     assert!(direction.cross(&Vec3::z()).norm() < 1e-8);
     let EnvelopeShape::Cone { apex } = runs[2].shape else { panic!("{:?}", runs[2]) };
@@ -108,7 +108,7 @@ fn motions_scales_and_flipped_normals_change_nothing() {
         .map(|(k, p)| {
             let n = turn * p.normal;
             let sign = if k % 3 == 0 { -2.0 } else { 1.0 };
-            TangentPlane { normal: n * sign, offset: sign * (p.offset * 1e3 - n.dot(&shift)) }
+            TangentPlane { normal: n * sign, offset: sign * (p.offset * 1e3 + n.dot(&shift)) }
         })
         .collect();
     let options = DecomposeOptions { centre: shift, size: 1e3, noise: 1e-6 };
