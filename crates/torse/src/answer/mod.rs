@@ -61,6 +61,25 @@ pub enum Job {
 }
 
 impl Job {
+    /// All jobs.
+    const ALL: [Self; 10] = [
+        Self::Approximate,
+        Self::Cones,
+        Self::Fit,
+        Self::Hull,
+        Self::Loft,
+        Self::Net,
+        Self::Planarise,
+        Self::Ruled,
+        Self::Shape,
+        Self::Unroll,
+    ];
+
+    /// The job with a [`Job::name`].
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|job| job.name() == name)
+    }
+
     /// Lower-case name, that of the command.
     pub fn name(self) -> &'static str {
         match self {

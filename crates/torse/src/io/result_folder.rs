@@ -4,12 +4,14 @@
 mod agreement;
 mod tables;
 
+use crate::answer::Job;
+use crate::develop::unfold::bends::BendKind;
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::io::bends::FLAT;
 use crate::io::drawings;
 use crate::io::json::{PartRecord, Report, SCHEMA};
-use crate::patchwork::pattern::{Bend, BendSense};
+use crate::patchwork::pattern::{Bend, BendSense, ViewSide};
 use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenPiece};
 use std::f64::consts::TAU;
 use tables::PRINTED_ANGLE;
@@ -50,6 +52,8 @@ pub enum FolderError {
 pub struct ResultPart {
     /// What the report says of it.
     pub record: PartRecord,
+    /// The side from which it is drawn, where the report says one.
+    pub view: Option<ViewSide>,
     /// Outlines in mm: places and bulges.
     pub contours: Vec<Vec<(Vec2, f64)>>,
     /// Bend lines in the order of the table, mm, with what `bends.csv` says.
@@ -69,6 +73,8 @@ pub struct ResultPart {
 pub struct ResultFolder {
     /// The report.
     pub report: Report,
+    /// The job that made it.
+    pub job: Job,
     /// Parts that can be used.
     pub parts: Vec<ResultPart>,
     /// Parts that cannot, with the reason.
@@ -97,6 +103,8 @@ pub fn read(file: &dyn Fn(&str) -> Option<Vec<u8>>) -> Result<ResultFolder, Fold
         return Err(FolderError::Schema(schema));
     }
     let report: Report = serde_json::from_value(value).map_err(|e| fault("report.json", e.to_string()))?;
+    let job = Job::named(&report.job)
+        .ok_or_else(|| fault("report.json", format!("'{}' is no job of this program", report.job)))?;
     let mut notes = Vec::new();
     let pieces = drawing(file, &mut notes)?;
     let drawn: Vec<&PartRecord> = report.parts.iter().filter(|p| p.missing.is_empty()).collect();
@@ -116,7 +124,7 @@ pub fn read(file: &dyn Fn(&str) -> Option<Vec<u8>>) -> Result<ResultFolder, Fold
         }
         None => Vec::new(),
     };
-    let mut out = ResultFolder { report: report.clone(), parts: Vec::new(), left: Vec::new(), notes };
+    let mut out = ResultFolder { report: report.clone(), job, parts: Vec::new(), left: Vec::new(), notes };
     for p in report.parts.iter().filter(|p| !p.missing.is_empty()) {
         out.left.push((p.name.clone(), format!("it has no flat pattern: {}", p.missing)));
     }
@@ -219,7 +227,8 @@ fn part(
     agreement::sheet(&table, &bends)?;
     agreement::report(&table, &record.bends, !bends.is_empty())?;
     let extents = piece.extents.iter().map(|e| e.map(|p| p * mm)).collect();
-    Ok(ResultPart { record: record.clone(), contours, lines, exact, bends, extents, printed: LAST_DIGIT * mm })
+    let view = ViewSide::named(&record.view);
+    Ok(ResultPart { record: record.clone(), view, contours, lines, exact, bends, extents, printed: LAST_DIGIT * mm })
 }
 
 /// The report's numbers for the lines, if they are those of the table up to its digits.
@@ -315,6 +324,11 @@ impl Columns {
         }
     }
 
+    fn kind(&self, row: &[String]) -> Result<BendKind, String> {
+        let name = self.text(row, "kind")?;
+        BendKind::named(name).ok_or_else(|| format!("'{name}' is no kind of bend: bend, fold, hem or rolled"))
+    }
+
     fn sense(&self, row: &[String]) -> Result<BendSense, String> {
         match self.text(row, "sense")? {
             "up" => Ok(BendSense::Up),
@@ -369,7 +383,7 @@ fn sheet_bends(text: &str) -> Result<Vec<(String, TableBend)>, String> {
         let count = c.text(row, "lines")?.parse::<u32>().ok().filter(|n| *n > 0);
         let count = count.ok_or("the number of lines is missing, or no whole number")?;
         Ok(TableBend {
-            kind: c.text(row, "kind")?.to_owned(),
+            kind: c.kind(row)?,
             sense: c.sense(row)?,
             angle: c.number(row, "angle_deg", f64::NAN)?.to_radians(),
             inside_radius: c.number(row, "inside_radius", f64::NAN)? * c.mm,

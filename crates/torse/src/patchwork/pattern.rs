@@ -77,6 +77,11 @@ impl ViewSide {
         }
     }
 
+    /// The side with a [`ViewSide::name`].
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        [Self::Outside, Self::Inside].into_iter().find(|side| side.name() == name)
+    }
+
     /// The other one.
     pub fn opposite(self) -> Self {
         match self {

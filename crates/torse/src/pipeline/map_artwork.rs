@@ -1,6 +1,6 @@
 //! The job of `torse map`: points and curves carried between parts in space and their flat patterns.
 
-use super::part_atlas::{atlases, flat_part, panels, refolded};
+use super::part_atlas::{atlases, flat_part, panels, refolded, PartAtlasError};
 pub(crate) use crate::develop::refold::artwork::MapPart;
 pub use crate::develop::refold::artwork::{
     ArtworkMap, Carried, Item, Off, Placed, PlacedShape, Shape, Side, Style, Words,
@@ -19,8 +19,8 @@ pub enum MapError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// The file of panels.
-    #[error("{0}")]
-    Panels(String),
+    #[error(transparent)]
+    Panels(PartAtlasError),
     /// No such part.
     #[error("there is no part '{name}'; the result has {known}")]
     Part {
@@ -62,13 +62,13 @@ pub fn read_map(
             return Err(MapError::Part { name: name.into(), known });
         }
     }
-    let all = panels(file, &folder.report.job, folder.report.tolerance).map_err(MapError::Panels)?;
+    let all = panels(file, folder.job, folder.report.tolerance).map_err(MapError::Panels)?;
     let made: Vec<Result<MapPart, (String, String)>> =
         parallel::map(folder.parts.iter().filter(|p| part.is_none_or(|name| p.record.name == name)), |p| {
             let named = |e: String| (p.record.name.clone(), e);
             let flat = flat_part(p, true);
             flat.check_slits().map_err(|e| named(e.to_string()))?;
-            let found = atlases(&folder, &all, p, &flat).map_err(named)?;
+            let found = atlases(&folder, &all, p, &flat).map_err(|e| named(e.to_string()))?;
             // Of ways that fit alike the bends tell the right one.
             let chosen = match (found.len(), refolded(&flat)) {
                 (2.., Ok(back)) => best(&flat, &back, &found),

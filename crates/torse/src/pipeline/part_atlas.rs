@@ -1,10 +1,13 @@
 //! Parts of a result with their panels in space and their flat patterns: what refolding and carrying artwork begin with.
 
+mod error;
 mod fibre;
 mod strips;
 
+pub use error::PartAtlasError;
 pub(crate) use fibre::beside_panels;
 
+use crate::answer::Job;
 use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
@@ -13,11 +16,13 @@ use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, S
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{one_family, sheet, RefoldError};
 use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::bends::BendKind;
 use crate::geom::Vec2;
 use crate::io::bundle::{CONES, PANELS};
 use crate::io::model::ReadOptions;
-use crate::io::result_folder::{ResultFolder, ResultPart};
+use crate::io::result_folder::{ResultFolder, ResultPart, TableBend, TableLine};
 use crate::io::step::read as step;
+use crate::torse::form::PanelKind;
 use fibre::{fibre, moved, neutral, on_fibre, thickness, SheetOfPanels};
 use std::collections::HashMap;
 use strips::{panel_of, plain};
@@ -37,13 +42,13 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     let settled = |ends: &[Vec2; 2]| ends.map(|q| outline.joint_meant(&q, ROUNDED).unwrap_or(q));
     let numbers = part.exact.as_ref().filter(|_| exact);
     let fibre = fibre(part);
-    let line = |(k, (ends, row)): (usize, &([_; 2], crate::io::result_folder::TableLine))| BendLine {
+    let line = |(k, (ends, row)): (usize, &([_; 2], TableLine))| BendLine {
         ends: settled(ends),
         bend: on_fibre(part, k, numbers.map_or(row.bend, |n| n[k]), fibre.as_ref()),
     };
-    let bend = |b: &crate::io::result_folder::TableBend| SheetRow {
+    let bend = |b: &TableBend| SheetRow {
         lines: b.lines.clone(),
-        rolled: b.kind == "rolled",
+        rolled: b.kind == BendKind::Rolled,
         sense: b.sense,
         angle: b.angle,
         inside_radius: b.inside_radius,
@@ -114,17 +119,17 @@ const CHORDS: f64 = 0.02;
 /// Reads the panels of a result, with its tolerance (mm).
 ///
 /// # Errors
-/// In plain words, with the name of the file.
-pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str, tolerance: f64) -> Result<Panels, String> {
-    let name = if job == "cones" { CONES } else { PANELS };
-    let bytes = file(name).ok_or(format!("{name} is missing"))?;
-    let fault = |e: String| format!("{name}: {e}");
+/// A file that is missing or cannot be read.
+pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: Job, tolerance: f64) -> Result<Panels, PartAtlasError> {
+    let name = if job == Job::Cones { CONES } else { PANELS };
+    let bytes = file(name).ok_or(PartAtlasError::NoFile(name))?;
+    let fault = |reason: String| PartAtlasError::File { file: name, reason };
     // Of a fit either all strips are trimmed or none.
-    let trimmed = job == "fit" && step::own::faces(&bytes).is_ok();
-    if trimmed || matches!(job, "approximate" | "unroll" | "cones") {
+    let trimmed = job == Job::Fit && step::own::faces(&bytes).is_ok();
+    if trimmed || matches!(job, Job::Approximate | Job::Unroll | Job::Cones) {
         let options = ReadOptions { chord_tolerance: Some(CHORDS * tolerance) };
         let model = step::read_with(&bytes, &options).map_err(|e| fault(e.to_string()))?;
-        let name = |f: &Face| if job == "cones" { of_chain(plain(&f.name)) } else { plain(&f.name) };
+        let name = |f: &Face| if job == Job::Cones { of_chain(plain(&f.name)) } else { plain(&f.name) };
         let named = model.faces.into_iter().map(|f| (name(&f), f));
         return Ok(Panels::Faces(named.collect()));
     }
@@ -147,8 +152,10 @@ pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> Option
 
 /// The name of a panel without its kind, which the faces of chains of cones have behind it.
 fn of_chain(name: String) -> String {
+    let is_kind =
+        |word: &str| [PanelKind::Cone, PanelKind::Cylinder, PanelKind::Plane].iter().any(|k| k.name() == word);
     match name.rsplit_once(' ') {
-        Some((panel, "cone" | "cylinder" | "plane")) => panel.to_owned(),
+        Some((panel, kind)) if is_kind(kind) => panel.to_owned(),
         _ => name,
     }
 }
@@ -162,14 +169,14 @@ const PRINTED: f64 = 1e-3;
 /// The panels of a part laid onto its outline in all ways that fit, the best first.
 ///
 /// # Errors
-/// In plain words: panels that are missing or cannot be laid flat, outlines that differ.
+/// Panels that are missing or cannot be laid flat, outlines that differ.
 pub(crate) fn atlases(
     folder: &ResultFolder,
     panels: &Panels,
     part: &ResultPart,
     flat: &FlatPart,
-) -> Result<Vec<Atlas>, String> {
-    let missing = |name: &String| format!("its panel {name} is not in the file of panels");
+) -> Result<Vec<Atlas>, PartAtlasError> {
+    let missing = |name: &String| PartAtlasError::NoPanel(name.clone());
     // Drawn is the neutral fibre of the sheet, on either side of the panels; the outline tells on which.
     let developed = |own: Vec<PanelPatch>| {
         let beside = part.record.neutral_offset.unwrap_or(0.0);
@@ -184,20 +191,22 @@ pub(crate) fn atlases(
     };
     let found = match panels {
         Panels::Strips(all) => {
-            let own: Result<Vec<PanelPatch>, String> =
+            let own: Result<Vec<PanelPatch>, PartAtlasError> =
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
             developed(own?)
         }
         Panels::Faces(all) => {
-            let own: Result<Vec<Face>, String> =
+            let own: Result<Vec<Face>, PartAtlasError> =
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
             let own = own?;
-            match folder.report.job.as_str() {
-                "approximate" | "fit" => chain(&own),
+            match folder.job {
+                Job::Approximate | Job::Fit => chain(&own),
                 // Laid flat through a panel, and moved.
-                "unroll" if moved(part).is_some() => chain(&own),
+                Job::Unroll if moved(part).is_some() => chain(&own),
                 // One after the other; a pipe is cut open where the chain begins.
-                "cones" => chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), (vec![0.0; own.len()], None))),
+                Job::Cones => {
+                    chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), (vec![0.0; own.len()], None)))
+                }
                 _ => {
                     let (k, sheet) = neutral(part, own.len())?;
                     unfolded(&own, &k, sheet)
@@ -205,10 +214,10 @@ pub(crate) fn atlases(
             }
         }
     };
-    let found = found.map_err(|e| e.to_string())?;
+    let found = found?;
     let off = found.iter().map(|a| a.alignment).fold(f64::INFINITY, f64::min);
     if off > (ALIGNED * folder.report.tolerance).max(PRINTED) {
-        return Err(AtlasError::Differs(off).to_string());
+        return Err(AtlasError::Differs(off).into());
     }
     Ok(found)
 }

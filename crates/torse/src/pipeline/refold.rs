@@ -1,7 +1,7 @@
 //! The job of `torse refold`: a result read back, bent back, and compared with the part in space; how far it is from
 //! that is proven where it can be.
 
-use super::part_atlas::{atlases, beside_panels, flat_part, panels, read_bound, refolded};
+use super::part_atlas::{atlases, beside_panels, flat_part, panels, read_bound, refolded, PartAtlasError};
 use crate::certify::claim::UpperBound;
 use crate::control::Control;
 use crate::develop::refold::atlas::Atlas;
@@ -40,7 +40,7 @@ pub fn refold(
     control: &Control,
 ) -> Result<RefoldAnswer, FolderError> {
     let folder = read(file)?;
-    let in_space = panels(file, &folder.report.job, folder.report.tolerance);
+    let in_space = panels(file, folder.job, folder.report.tolerance);
     let made: Vec<_> = parallel::map(folder.parts.iter(), |p| {
         if control.stopped() {
             return Err((p.record.name.clone(), NotRefolded::Stopped.to_string()));
@@ -73,7 +73,7 @@ const AIM: f64 = 1e-4;
 fn answer(
     part: &ResultPart,
     (flat, refolded): (FlatPart, Refolded),
-    found: Result<Vec<Atlas>, String>,
+    found: Result<Vec<Atlas>, PartAtlasError>,
     (read, control): (Option<UpperBound>, &Control),
 ) -> PartAnswer {
     let mut out = PartAnswer {
@@ -89,7 +89,7 @@ fn answer(
     };
     let all = match found {
         Err(e) => {
-            out.compared = Err(NotRefolded::Panels(e));
+            out.compared = Err(NotRefolded::Panels(e.to_string()));
             return out;
         }
         Ok(all) => all,

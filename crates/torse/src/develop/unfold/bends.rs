@@ -24,6 +24,11 @@ pub enum BendKind {
 }
 
 impl BendKind {
+    /// The kind with a [`BendKind::name`].
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        [Self::Bend, Self::Fold, Self::Hem, Self::Rolled].into_iter().find(|kind| kind.name() == name)
+    }
+
     /// Lower-case name used in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,6 +2,7 @@
 //! follows from the turns up to the lines, or from the table of its bends, so that wrong angles would go unseen.
 
 use super::tables::{TableBend, TableLine, PRINTED_ANGLE};
+use crate::develop::unfold::bends::BendKind;
 use crate::io::bends::BendRecord;
 use crate::patchwork::pattern::BendSense;
 
@@ -37,9 +38,9 @@ pub(super) fn sheet(lines: &[TableLine], bends: &[TableBend]) -> Result<(), Stri
         let row = format!("bend {} of bend_table.csv", k + 1);
         let own: Vec<(usize, Said)> =
             bend.lines.clone().filter_map(|l| Some((l + 1, Said::of(lines.get(l)?)))).collect();
-        match bend.kind.as_str() {
-            "rolled" => rolled(&own, bend, (&row, before))?,
-            _ => bent(&own, bend, &row)?,
+        match bend.kind {
+            BendKind::Rolled => rolled(&own, bend, (&row, before))?,
+            BendKind::Bend | BendKind::Fold | BendKind::Hem => bent(&own, bend, &row)?,
         }
         before = own.last().map_or(0.0, |(_, s)| match s.sense {
             BendSense::Down => s.turned - 0.5 * s.angle,
@@ -159,20 +160,20 @@ mod tests {
         TableLine { bend, length: 80.0 }
     }
 
-    fn bend(kind: &str, sense: BendSense, angle: f64, count: usize) -> TableBend {
+    fn bend(kind: BendKind, sense: BendSense, angle: f64, count: usize) -> TableBend {
         let none = f64::NAN;
         let angle = angle.to_radians();
-        TableBend { kind: kind.into(), sense, angle, inside_radius: none, allowance: none, k: none, lines: 0..count }
+        TableBend { kind, sense, angle, inside_radius: none, allowance: none, k: none, lines: 0..count }
     }
 
     use BendSense::{Down, Up};
 
     #[test]
     fn lines_of_bends_and_folds_turn_as_the_table_says() {
-        let table = [bend("bend", Down, 90.0, 2)];
+        let table = [bend(BendKind::Bend, Down, 90.0, 2)];
         // Holes cut a line in pieces; bends in line that differ by the last digit are one.
         assert_eq!(sheet(&[line(Down, 90.0, -45.0), line(Down, 90.0001, -45.0)], &table), Ok(()));
-        assert_eq!(sheet(&[line(Up, 60.0, 0.0)], &[bend("fold", Up, 60.0, 1)]), Ok(()));
+        assert_eq!(sheet(&[line(Up, 60.0, 0.0)], &[bend(BendKind::Fold, Up, 60.0, 1)]), Ok(()));
         let fault = |lines: &[TableLine]| sheet(lines, &table).expect_err("another angle");
         let edited = fault(&[line(Down, 180.0, -45.0), line(Down, 90.0, -45.0)]);
         assert!(edited.contains("line 1 of bends.csv") && edited.contains("180.0000"), "{edited}");
@@ -182,7 +183,7 @@ mod tests {
         assert!(fault(&[line(Down, 90.001, -45.0005)]).contains("says 90.0000"));
         assert!(fault(&[line(Up, 90.0, 45.0)]).contains("bends up, but bend 1 of bend_table.csv says down"));
         assert!(fault(&[line(Down, 90.0, 45.0)]).contains("has turned_deg 45.0000"));
-        assert!(sheet(&[line(Up, 5.0, 0.0)], &[bend("fold", Up, 60.0, 1)]).is_err());
+        assert!(sheet(&[line(Up, 5.0, 0.0)], &[bend(BendKind::Fold, Up, 60.0, 1)]).is_err());
     }
 
     #[test]
@@ -190,7 +191,7 @@ mod tests {
         // 187.9385° in 38 lines, of which holes leave some out.
         let at = |k: usize| line(Down, 4.9458, -((k as f64 + 0.5) * 187.9385 / 38.0 * 1e4).round() / 1e4);
         let lines: Vec<TableLine> = [0, 1, 2, 7, 7, 8, 30, 37].map(at).into();
-        let table = |sense, angle| [bend("rolled", sense, angle, lines.len())];
+        let table = |sense, angle| [bend(BendKind::Rolled, sense, angle, lines.len())];
         assert_eq!(sheet(&lines, &table(Down, 187.9385)), Ok(()));
         assert!(sheet(&lines, &table(Up, 187.9385)).expect_err("the other way").contains("says up"));
         assert!(sheet(&lines, &table(Down, 186.0)).expect_err("another turn").contains("186.0000"));
@@ -205,7 +206,7 @@ mod tests {
         // The third share is halved, and the second half of that again.
         let parts = [(0.0, 8.0), (8.0, 8.0), (16.0, 4.0), (20.0, 2.0), (22.0, 2.0), (24.0, 8.0)];
         let halved: Vec<TableLine> = parts.iter().map(|(from, share)| line(Up, *share, from + 0.5 * share)).collect();
-        let row = [bend("rolled", Up, 32.0, halved.len())];
+        let row = [bend(BendKind::Rolled, Up, 32.0, halved.len())];
         assert_eq!(sheet(&halved, &row), Ok(()));
         for (k, factor) in [(2, 2.0), (2, 0.5), (3, 2.0), (0, 0.5)] {
             let mut other = halved.clone();
@@ -213,7 +214,7 @@ mod tests {
             let fault = sheet(&other, &row).expect_err("another angle");
             assert!(fault.contains(&format!("line {} of bends.csv", k + 1)), "{fault}");
         }
-        assert_eq!(sheet(&[line(Down, 0.0, 0.0)], &[bend("rolled", Down, 0.0, 1)]), Ok(()));
+        assert_eq!(sheet(&[line(Down, 0.0, 0.0)], &[bend(BendKind::Rolled, Down, 0.0, 1)]), Ok(()));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Rows of the tables of bends.
 
+use crate::develop::unfold::bends::BendKind;
 use crate::patchwork::pattern::{Bend, BendSense};
 use std::ops::Range;
 
@@ -15,8 +16,8 @@ pub struct TableLine {
 /// A row of `bend_table.csv`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableBend {
-    /// `bend`, `fold`, `hem` or `rolled`.
-    pub kind: String,
+    /// How the sheet is bent.
+    pub kind: BendKind,
     /// Which way.
     pub sense: BendSense,
     /// Turn, rad.

@@ -1,7 +1,9 @@
 //! Where the neutral fibre, which is drawn of sheets, lies below the panels of a part (docs/algorithms/refold.md, "Sheet metal").
 
+use super::error::PartAtlasError;
 use crate::develop::shop::thickness::SheetSide;
 use crate::develop::unfold::allowance::{Fibre, KFactor};
+use crate::develop::unfold::bends::BendKind;
 use crate::io::json::NeutralRecord;
 use crate::io::result_folder::{ResultPart, TableBend};
 use crate::patchwork::pattern::{Bend, BendSense, ViewSide};
@@ -11,7 +13,7 @@ use crate::patchwork::pattern::{Bend, BendSense, ViewSide};
 pub(super) fn fibre(part: &ResultPart) -> Option<Fibre> {
     let Some(sheet) = &part.record.neutral else {
         let out = moved(part)?;
-        return Some(Fibre::fixed(if part.record.view == ViewSide::Inside.name() { out } else { -out }));
+        return Some(Fibre::fixed(if part.view == Some(ViewSide::Inside) { out } else { -out }));
     };
     let thickness = greatest(sheet);
     let above = sheet.sheet_side().ok()?.map_or(0.0, |side| side.extent(thickness)[1]);
@@ -61,7 +63,7 @@ pub(crate) fn beside_panels(part: &ResultPart) -> f64 {
         return out.abs();
     }
     // Sharp edges have no fibre.
-    let bent = part.bends.iter().filter(|b| b.kind != "fold");
+    let bent = part.bends.iter().filter(|b| b.kind != BendKind::Fold);
     let off = |b: &TableBend| {
         let share = if b.sense == BendSense::Up { b.k } else { 1.0 - b.k };
         (share * fibre.thickness - fibre.above).abs()
@@ -75,17 +77,14 @@ pub(super) type SheetOfPanels = (Vec<f64>, Option<SheetSide>);
 /// K-factor and sheet of a part of so many panels.
 ///
 /// # Errors
-/// In plain words: a report that does not say them.
-pub(super) fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, SheetOfPanels), String> {
+/// A report that does not say them.
+pub(super) fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, SheetOfPanels), PartAtlasError> {
     let Some(neutral) = &part.record.neutral else {
         let silent = part.bends.iter().any(|b| b.k > 0.0);
         let told = || (KFactor::default(), (vec![0.0; panels], None));
-        return if silent { Err(UNKNOWN_NEUTRAL.into()) } else { Ok(told()) };
+        return if silent { Err(PartAtlasError::Neutral) } else { Ok(told()) };
     };
-    let k = neutral.k.factor().filter(|_| neutral.thickness.len() == panels).ok_or(UNKNOWN_NEUTRAL)?;
-    let side = neutral.sheet_side().map_err(|_| UNKNOWN_NEUTRAL)?;
+    let k = neutral.k.factor().filter(|_| neutral.thickness.len() == panels).ok_or(PartAtlasError::Neutral)?;
+    let side = neutral.sheet_side().map_err(|_| PartAtlasError::Neutral)?;
     Ok((k, (neutral.thickness.clone(), side)))
 }
-
-/// What is the matter with reports that do not say what was drawn.
-const UNKNOWN_NEUTRAL: &str = "report.json does not say where the neutral fibre of its sheet lies; lay it flat anew";
