@@ -7,7 +7,7 @@ use crate::job::{refuse_left_out, Job};
 use crate::loft::{rail, rails};
 use crate::quantity::{section, Length};
 use crate::wiring;
-use torse::answer::note::Note;
+use torse::answer::note::{Note, ReaderNote};
 use torse::certify::claim::Status;
 use torse::io::bundle;
 use torse::pipeline::select::{offers, Selection};
@@ -91,7 +91,7 @@ fn limits(arguments: &Approximate, least_radius: Option<f64>) -> Limits {
 const GUIDE_POINTS: usize = 400;
 
 /// Where strips and seams run, with notes of what was not read.
-fn layout(arguments: &Approximate) -> Result<(Layout, Vec<String>), Failure> {
+fn layout(arguments: &Approximate) -> Result<(Layout, Vec<ReaderNote>), Failure> {
     let mut notes = Vec::new();
     let guide = match (&arguments.direction, &arguments.guide) {
         (Some(d), _) => Some(Guide::Direction(*d)),
@@ -120,7 +120,7 @@ fn layout(arguments: &Approximate) -> Result<(Layout, Vec<String>), Failure> {
 }
 
 /// Curves that panels or seams run along: one, or all of a drawing. What was not read of it goes into `notes`.
-fn curves(text: &str, unit: Option<f64>, notes: &mut Vec<String>) -> Result<Vec<PanelCurve>, Failure> {
+fn curves(text: &str, unit: Option<f64>, notes: &mut Vec<ReaderNote>) -> Result<Vec<PanelCurve>, Failure> {
     let shape = match text.split_once('=').map(|(axis, place)| (axis.trim(), place.trim())) {
         Some((axis @ ("u" | "v"), place)) => {
             let share = place.parse::<f64>().ok().filter(|s| (0.0..=1.0).contains(s)).ok_or_else(|| {

@@ -4,14 +4,14 @@ use crate::args::Hull;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::loft::{rails, split};
-use torse::answer::note::Note;
+use torse::answer::note::{Note, ReaderNote};
 use torse::pipeline::hull::{hull, Options};
 use torse::torse::rail::Rail;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Hull) -> Result<bool, Failure> {
     let (file, _) = split(&arguments.curves[0]);
-    let (mut curves, mut notes): (Vec<Rail>, Vec<String>) = Default::default();
+    let (mut curves, mut notes): (Vec<Rail>, Vec<ReaderNote>) = Default::default();
     for text in &arguments.curves {
         let found = rails(text, arguments.unit, arguments.polyline)?;
         curves.extend(found.rails);

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::Job;
 use std::path::{Path, PathBuf};
-use torse::answer::note::Note;
+use torse::answer::note::{Note, ReaderNote};
 use torse::io::curves::{self, CurveError, CurveOptions, Curves};
 use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};
 use torse::torse::rail::Rail;
@@ -56,7 +56,7 @@ pub fn split(text: &str) -> (PathBuf, String) {
 }
 
 /// Reads one rail; returned with notes of what was not read.
-pub fn rail(text: &str, unit: Option<f64>, polyline: bool) -> Result<(Rail, Vec<String>), Failure> {
+pub fn rail(text: &str, unit: Option<f64>, polyline: bool) -> Result<(Rail, Vec<ReaderNote>), Failure> {
     let (bytes, options) = source(text, unit, polyline)?;
     curves::read(&bytes, &options).map_err(|e| refusal(&e))
 }

@@ -6,7 +6,9 @@ use crate::folder::{is_of_result, is_same_file, LoneFile};
 use crate::input::contents;
 use crate::refold::file_of;
 use std::io::Write as _;
+use torse::answer::note::{Note, ReaderNote};
 use torse::io::artwork::{self, Artwork, PointRow, Sketch};
+use torse::io::words;
 use torse::pipeline::map_artwork::{read_map, ArtworkMap, Carried, Item, MapError, Off, Side};
 
 /// Points on no part that are told one by one.
@@ -38,7 +40,7 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
             let notes = passed_on(&blank).into_iter().chain(heights(&points, to)).collect();
             (notes, carried_points(&map, &points, &blank, to))
         }
-        Artwork::Drawing(sketch, notes) => (notes, carried_drawing(&map, &sketch, to)),
+        Artwork::Drawing(sketch, notes) => (worded(notes), carried_drawing(&map, &sketch, to)),
     };
     told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
     let written = output.finish(&bytes)?;
@@ -52,6 +54,11 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
     }
     let _ = writeln!(out, "  written {}", written.display());
     Ok(told.is_empty())
+}
+
+/// What was said of a drawing, in words.
+fn worded(notes: Vec<ReaderNote>) -> Vec<String> {
+    words::notes(&notes.into_iter().map(Note::Input).collect::<Vec<_>>())
 }
 
 /// Refuses a place that is the artwork itself or a file of the result, under whatever name.

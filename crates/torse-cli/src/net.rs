@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::Job;
 use crate::loft::{rail, split};
-use torse::answer::note::Note;
+use torse::answer::note::{Note, ReaderNote};
 use torse::geom::Vec3;
 use torse::io::net::{self as file, NetFile};
 use torse::pipeline::net::{net, Condition, Options};
@@ -34,7 +34,7 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
 }
 
 /// The curve, with what a control net says besides, and notes of what was not read.
-fn given(arguments: &Net) -> Result<(NetFile, Vec<String>), Failure> {
+fn given(arguments: &Net) -> Result<(NetFile, Vec<ReaderNote>), Failure> {
     let (path, select) = split(&arguments.curve);
     let bytes = contents(&path)?;
     if select.is_empty() && file::is_net(&bytes) {

@@ -1,5 +1,6 @@
 //! Artwork: points in tables and curves in drawings, read, and written in the same kind after they were carried over.
 
+use crate::answer::note::reader::ReaderNote;
 pub use crate::develop::refold::artwork::PointRow;
 use crate::geom::Vec3;
 pub use crate::io::artwork_drawing::dxf;
@@ -15,7 +16,7 @@ pub enum Artwork {
     /// Points of a table, mm, each with its line, and the lines of rows without a place: points that lay on no part before.
     Points(Vec<(usize, Vec3)>, Vec<usize>),
     /// Curves, points and texts of a drawing, with what was not read of it.
-    Drawing(Sketch, Vec<String>),
+    Drawing(Sketch, Vec<ReaderNote>),
 }
 
 /// Why a file of artwork cannot be read.

@@ -280,7 +280,7 @@ pub fn exact(name: &str, bodies: &[ConeBody], marked: bool, time: &str) -> io::R
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::answer::note::Note;
+    use crate::answer::note::{Note, ReaderNote};
     use crate::answer::presentation::present;
     use crate::answer::{Guide, Job, PointMap};
     use crate::certify::claim::{Claim, Subject, What};
@@ -324,7 +324,7 @@ pub(crate) mod tests {
             parts: vec![Part { name: "A".into(), first: 0, count: 2, missing: None }],
             patterns,
             guides: vec![Guide { name: "rail".into(), points: vec![x(0., 0., 0.), x(90., 0., 0.)] }],
-            notes: vec![Note::Input("a & b".into())],
+            notes: vec![Note::Input(ReaderNote::NotFinite { item: "a & b".into() })],
             patchwork: Patchwork::of_strips(strips),
             ..Answer::new(Job::Loft, "plate <1>", 0.1)
         }

@@ -4,7 +4,9 @@
 use super::cloud::CloudReadError;
 use super::curves::CurveError;
 use super::table::{self, Fault, Table};
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::Vec3;
+use crate::io::words::note::reader_note;
 use crate::torse::contact::{ContactElement, Given};
 
 /// Columns of a ruling from p to q.
@@ -65,14 +67,14 @@ pub fn read(
     bytes: &[u8],
     unit: Option<f64>,
     region: Option<[f64; 4]>,
-) -> Result<(Given, Vec<String>), CloudReadError> {
+) -> Result<(Given, Vec<ReaderNote>), CloudReadError> {
     if name.to_ascii_lowercase().ends_with(".dxf") {
         let (lines, notes) = super::curves::lines(bytes, name, unit).map_err(|e| match e {
             CurveError::Unit { .. } | CurveError::NoUnit(_) => CloudReadError::Drawing(e.to_string()),
             e => CloudReadError::Format { format: "DXF", reason: e.to_string() },
         })?;
         if lines.is_empty() {
-            let more = notes.first().map_or(String::new(), |n| format!(" ({n})"));
+            let more = notes.first().map_or(String::new(), |n| format!(" ({})", reader_note(n)));
             let reason = format!("it holds no LINE: draw the rulings as lines{more}");
             return Err(CloudReadError::Format { format: "DXF", reason });
         }

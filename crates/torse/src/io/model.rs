@@ -1,5 +1,6 @@
 //! What a CAD file holds, whatever its format.
 
+use crate::answer::note::reader::{AnnotationKind, ReaderNote};
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
@@ -50,17 +51,10 @@ pub(super) fn first_of(reason: &str) -> String {
     }
 }
 
-/// What is said of annotations that are not carried to flat patterns: how many of each kind, named in the singular and the plural.
-pub(super) fn not_carried(counts: &[(usize, &str, &str)]) -> Option<String> {
-    let told =
-        counts.iter().filter(|c| c.0 > 0).map(|(n, one, many)| format!("{n} {}", if *n == 1 { one } else { many }));
-    let told: Vec<String> = told.collect();
-    let last = told.last()?;
-    let list = match told.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => last.clone(),
-    };
-    Some(format!("annotations are not carried to flat patterns: {list}"))
+/// What is said of annotations that are not carried to flat patterns: the kinds that there are.
+pub(super) fn not_carried(counts: impl IntoIterator<Item = (AnnotationKind, usize)>) -> Option<ReaderNote> {
+    let kinds: Vec<_> = counts.into_iter().filter(|c| c.1 > 0).collect();
+    (!kinds.is_empty()).then_some(ReaderNote::Annotations(kinds))
 }
 
 /// A face or item of a file that its reader leaves out, with what the reader says of it.

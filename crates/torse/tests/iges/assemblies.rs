@@ -214,7 +214,7 @@ fn curves_that_nothing_is_made_of_stand_beside_the_faces() {
     let FreeShape::Text { at, along, up } = text.shape else { panic!("{text:?}") };
     assert!((at.x, at.y) == (3.0, 1.0) && along.y > 0.999 && (up.x + 2.5).abs() < 1e-5, "{text:?}");
     assert!(model.curves.iter().all(|c| c.layer == "Engrave"), "{:?}", model.curves);
-    let told: Vec<String> = model.notes.iter().map(|n| format!("{n:?}")).collect();
+    let told: Vec<String> = model.notes.iter().map(words::note).collect();
     assert!(told.iter().any(|n| n.contains("1 leader line")), "{told:?}");
     assert!([[12.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 2.0, 0.0]].iter().all(|e| ends.contains(e)), "{ends:?}");
 }

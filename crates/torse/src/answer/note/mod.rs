@@ -4,6 +4,7 @@
 mod fit;
 mod loft;
 mod net;
+pub mod reader;
 mod shop;
 mod unroll;
 
@@ -21,6 +22,7 @@ pub(crate) use fit::Outlines;
 pub use fit::{Became, Between, FaceNote, FitNote, SplineSize};
 pub(crate) use loft::{EndNote, ExactPiece, Leads, LoftNote};
 pub use net::{NetNote, Quality, Route};
+pub use reader::ReaderNote;
 pub(crate) use shop::{LeastRadius, OffsetSide, ShopNote, TooTight};
 pub use shop::{Material, Sheet};
 pub(crate) use unroll::{OffFaces, UnrollNote};
@@ -28,8 +30,8 @@ pub(crate) use unroll::{OffFaces, UnrollNote};
 /// Something that people should know of the input or of the job.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Note {
-    /// What a reader says of its file, in the reader's words: damage, what was assumed, what was not read.
-    Input(String),
+    /// What a reader says of its file.
+    Input(ReaderNote),
     /// Faces were chosen from a file.
     Chosen {
         /// Faces taken.

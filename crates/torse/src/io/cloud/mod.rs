@@ -7,6 +7,7 @@ mod stl;
 mod table;
 mod triple;
 
+use crate::answer::note::reader::{ReaderNote, UnitNote};
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::io::threedm;
@@ -32,7 +33,7 @@ pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudR
 ///
 /// # Errors
 /// See [`CloudReadError`].
-pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud, Option<String>), CloudReadError> {
+pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud, Option<ReaderNote>), CloudReadError> {
     let mut guessed = unit.is_none();
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
     if threedm::recognises(bytes) || ending == "3dm" {
@@ -68,8 +69,8 @@ pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud,
 }
 
 /// What is said where a unit had to be guessed.
-pub(super) fn unit_note(name: &str) -> String {
-    format!("{name} does not say its unit: its numbers were taken as mm; --unit says what they are")
+pub(super) fn unit_note(name: &str) -> ReaderNote {
+    ReaderNote::Unit(UnitNote::Guessed { file: name.into() })
 }
 
 #[cfg(test)]

@@ -8,10 +8,12 @@ mod mtext;
 mod options;
 mod sketch;
 
+use crate::answer::note::reader::ReaderNote;
 use crate::io::iges::read as iges;
 use crate::io::step::read as step;
 use crate::io::step::read::edges::{self, EdgeCurve};
 use crate::io::threedm;
+use crate::io::words::note::reader_note;
 use crate::spline::curve::Curve;
 use crate::torse::rail::{Rail, RailError};
 pub(in crate::io) use dxf::frame_of;
@@ -25,8 +27,8 @@ pub use sketch::Sketch;
 pub struct Curves {
     /// The curves, each as long as it goes on.
     pub rails: Vec<Rail>,
-    /// What was not read, in words; empty if nothing.
-    pub notes: Vec<String>,
+    /// What was not read; empty if nothing.
+    pub notes: Vec<ReaderNote>,
 }
 
 /// Reads one rail. The format is told by the contents: STEP by its header, DXF by its group codes, else a table. Returns
@@ -43,7 +45,7 @@ pub struct Curves {
 /// assert!(rail.length() > 30.0 && notes.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<(Rail, Vec<String>), CurveError> {
+pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<(Rail, Vec<ReaderNote>), CurveError> {
     match source(bytes, options)? {
         Source::Points(points) => Ok((points_rail(&points, options)?, Vec::new())),
         Source::Curves(all, notes) => Ok((chosen(all, options)?, notes)),
@@ -77,7 +79,7 @@ pub fn read_all(bytes: &[u8], options: &CurveOptions) -> Result<Curves, CurveErr
 /// What a file holds.
 enum Source {
     Points(Vec<crate::geom::Vec3>),
-    Curves(Vec<Found>, Vec<String>),
+    Curves(Vec<Found>, Vec<ReaderNote>),
 }
 
 fn points_rail(points: &[crate::geom::Vec3], options: &CurveOptions) -> Result<Rail, RailError> {
@@ -111,14 +113,14 @@ fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
     let text = String::from_utf8_lossy(bytes);
     if is_dxf(text.trim_start_matches(BLANK)) {
         let drawing = dxf::read(&text, options)?;
-        let mut notes: Vec<String> = not_read(&options.name, &drawing.unread).into_iter().collect();
+        let mut notes: Vec<ReaderNote> = not_read(&options.name, &drawing.unread).into_iter().collect();
         if drawing.found.is_empty() {
-            return Err(CurveError::Nothing { name: options.name.clone(), unread: notes.into_iter().next() });
+            return Err(CurveError::Nothing { name: options.name.clone(), unread: notes.first().map(reader_note) });
         }
         let (found, twice) = drawn_once(drawing.found, &options.select);
-        if let Some((again, first)) = twice.first() {
-            let more = if twice.len() > 1 { format!(" (and {} more)", twice.len() - 1) } else { String::new() };
-            notes.push(format!("{}: #{again} is drawn over #{first}{more}; it counts once", options.name));
+        let more = twice.len().saturating_sub(1);
+        if let Some((again, first)) = twice.into_iter().next() {
+            notes.push(ReaderNote::DrawnTwice { file: options.name.clone(), again, first, more });
         }
         return Ok(Source::Curves(found, notes));
     }
@@ -182,19 +184,15 @@ fn labelled(all: Vec<EdgeCurve>, options: &CurveOptions) -> Result<Source, Curve
     let label = |e: &EdgeCurve| if e.copy > 1 { format!("{}/{}", e.entity, e.copy) } else { e.entity.to_string() };
     let select = options.select.trim_start_matches('#');
     let places = all.iter().filter(|e| e.entity.to_string() == select).count();
-    let note = (places > 1).then(|| {
-        format!("#{select} of {} lies at {places} places; the first is taken, #{select}/2 is the next", options.name)
-    });
+    let several = || ReaderNote::SeveralPlaces { file: options.name.clone(), edge: select.into(), places };
+    let note = (places > 1).then(several);
     let found = all.into_iter().map(|e| Found { label: label(&e), curves: e.curves }).collect();
     Ok(Source::Curves(found, note.into_iter().collect()))
 }
 
-/// Entities of a drawing that were not read, in words.
-fn not_read(name: &str, unread: &[(String, usize)]) -> Option<String> {
-    let kinds: Vec<String> = unread.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
-    let blocks =
-        if unread.iter().any(|u| u.0 == "INSERT") { "; explode blocks (INSERT) to have their curves" } else { "" };
-    (!kinds.is_empty()).then(|| format!("not read of {name}: {}{blocks}", kinds.join(", ")))
+/// Entities of a drawing that were not read.
+fn not_read(name: &str, unread: &[(String, usize)]) -> Option<ReaderNote> {
+    (!unread.is_empty()).then(|| ReaderNote::NotRead { file: name.into(), kinds: unread.to_vec() })
 }
 
 /// Straight lines of a DXF drawing by their ends, in the order of the file, mm, with notes of what else it holds. `unit`
@@ -206,7 +204,7 @@ pub(crate) fn lines(
     bytes: &[u8],
     name: &str,
     unit: Option<f64>,
-) -> Result<(Vec<[crate::geom::Vec3; 2]>, Vec<String>), CurveError> {
+) -> Result<(Vec<[crate::geom::Vec3; 2]>, Vec<ReaderNote>), CurveError> {
     let text = String::from_utf8_lossy(bytes);
     if !is_dxf(text.trim_start_matches(BLANK)) {
         return Err(CurveError::Damaged { name: name.into(), reason: "it is no ASCII DXF drawing".into() });
@@ -221,7 +219,7 @@ pub(crate) fn lines(
         other => other?,
     };
     let point = |c: &[f64; 4]| crate::geom::Vec3::new(c[0], c[1], c[2]) / c[3];
-    let mut notes: Vec<String> = not_read(name, &drawing.unread).into_iter().chain(guess).collect();
+    let mut notes: Vec<ReaderNote> = not_read(name, &drawing.unread).into_iter().chain(guess).collect();
     let mut out = Vec::new();
     let mut others = 0;
     for f in &drawing.found {
@@ -231,7 +229,7 @@ pub(crate) fn lines(
         }
     }
     if others > 0 {
-        notes.push(format!("not read of {name}: {others} curves that are no single straight lines"));
+        notes.push(ReaderNote::NoLines { file: name.into(), curves: others });
     }
     Ok((out, notes))
 }
@@ -383,7 +381,7 @@ mod tests {
             lengths.len() == 2 && (lengths[0] - 2.0).abs() < 1e-9 && (lengths[1] - 1.0).abs() < 1e-9,
             "{lengths:?}"
         );
-        assert!(found.notes[0].contains("1 TEXT, 1 INSERT; explode blocks"), "{:?}", found.notes);
+        assert!(reader_note(&found.notes[0]).contains("1 TEXT, 1 INSERT; explode blocks"), "{:?}", found.notes);
         let (lines, notes) = lines(all.as_bytes(), "d.dxf", None).expect("lines");
         assert_eq!((lines.len(), notes.len()), (3, 1));
         // Vertices of the frame of a polyline that is smoothed are not on it.
@@ -425,7 +423,10 @@ mod tests {
         for copy in [line("C", [3.0, 0.0], [3.0, 4.0]), line("C", [3.0, 4.0], [3.0, 0.0])] {
             let all = drawing(&(corner.clone() + &copy));
             let (rail, notes) = super::read(all.as_bytes(), &o).expect("rail");
-            assert!((rail.length() - 7.0).abs() < 1e-9 && notes[0].contains("#C is drawn over #B"), "{notes:?}");
+            assert!(
+                (rail.length() - 7.0).abs() < 1e-9 && reader_note(&notes[0]).contains("#C is drawn over #B"),
+                "{notes:?}"
+            );
             let one = CurveOptions { select: "C".into(), ..o.clone() };
             assert!((read(all.as_bytes(), &one).expect("rail").length() - 4.0).abs() < 1e-9);
         }

@@ -5,9 +5,11 @@ use super::blocks::{blocks, copies, placed, Block};
 use super::dxf::{self, curves, unescaped, Entity, Fault};
 use super::mtext;
 use super::{is_dxf, not_read, CurveError, CurveOptions, BLANK};
+use crate::answer::note::reader::ReaderNote;
 use crate::develop::refold::artwork::{Item, Shape, Style, Words};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
+use crate::io::words::note::reader_note;
 use crate::spline::curve::Curve;
 use std::collections::HashMap;
 
@@ -31,7 +33,7 @@ const FARTHEST: f64 = 1e12;
 ///
 /// # Errors
 /// See [`CurveError`].
-pub(in crate::io) fn sketch(bytes: &[u8], options: &CurveOptions) -> Result<(Sketch, Vec<String>), CurveError> {
+pub(in crate::io) fn sketch(bytes: &[u8], options: &CurveOptions) -> Result<(Sketch, Vec<ReaderNote>), CurveError> {
     let damaged = |reason: String| damaged(&options.name, reason);
     // Files before 2007 have one byte for a letter.
     let text = match std::str::from_utf8(bytes) {
@@ -59,7 +61,7 @@ pub(in crate::io) fn sketch(bytes: &[u8], options: &CurveOptions) -> Result<(Ske
     let notes = reader.notes();
     let mut out = reader.out;
     if out.items.is_empty() {
-        return Err(CurveError::Nothing { name: options.name.clone(), unread: notes.into_iter().next() });
+        return Err(CurveError::Nothing { name: options.name.clone(), unread: notes.first().map(reader_note) });
     }
     for layer in dxf::entities(&groups, "TABLES").unwrap_or_default().iter().filter(|e| e.kind == "LAYER") {
         // Of layers that are switched off the number is negative.
@@ -174,13 +176,14 @@ impl Reader<'_> {
     }
 
     /// What is to be told of what was read.
-    fn notes(&self) -> Vec<String> {
-        let mut out: Vec<String> = not_read(self.file, &self.unread).into_iter().collect();
+    fn notes(&self) -> Vec<ReaderNote> {
+        let mut out: Vec<ReaderNote> = not_read(self.file, &self.unread).into_iter().collect();
+        let file = || self.file.to_owned();
         if self.without_length > 0 {
-            out.push(format!("left out of {}: {} curves without length", self.file, self.without_length));
+            out.push(ReaderNote::NoLength { file: file(), curves: self.without_length });
         }
         if self.apart > 0 {
-            out.push(format!("taken apart in {}: {} insertions of blocks (INSERT)", self.file, self.apart));
+            out.push(ReaderNote::TakenApart { file: file(), insertions: self.apart });
         }
         out
     }
@@ -275,7 +278,7 @@ mod tests {
         format!("{header}{}{}0\nEOF\n", section("BLOCKS", blocks), section("ENTITIES", entities))
     }
 
-    fn read(blocks: &str, entities: &str) -> Result<(Vec<Item>, Vec<String>), CurveError> {
+    fn read(blocks: &str, entities: &str) -> Result<(Vec<Item>, Vec<ReaderNote>), CurveError> {
         let text = drawing(blocks, entities);
         sketch(text.as_bytes(), &CurveOptions::new("a.dxf")).map(|(s, notes)| (s.items, notes))
     }
@@ -314,7 +317,8 @@ mod tests {
         let Shape::Words(w) = &attribute.shape else { panic!("a text") };
         near(&w.at, [9.0, 8.0]);
         assert_eq!((w.text.as_str(), w.held, attribute.style.layer.as_str()), ("FR 7", [1, 2], "0"));
-        assert!(notes[0].contains("1 INSERT") && notes[1].contains("2 insertions"), "{notes:?}");
+        let unread = ReaderNote::NotRead { file: "a.dxf".into(), kinds: vec![("INSERT".into(), 1)] };
+        assert_eq!(notes, [unread, ReaderNote::TakenApart { file: "a.dxf".into(), insertions: 2 }]);
     }
 
     #[test]
@@ -325,7 +329,7 @@ mod tests {
         let Shape::Point(last) = &items[5].shape else { panic!("a point") };
         // One column up, two rows to the left, and the point of the block up.
         near(last, [10.0 - 14.0, 1.0 + 5.0]);
-        assert!(items.len() == 6 && notes[0].contains("6 INSERT"), "{notes:?}");
+        assert!(items.len() == 6 && reader_note(&notes[0]).contains("6 INSERT"), "{notes:?}");
         let many = read(block, "0\nINSERT\n2\nP\n10\n0\n20\n0\n70\n1000\n71\n1000\n").expect_err("too many");
         assert!(many.to_string().contains("copies in rows and columns"), "{many}");
     }

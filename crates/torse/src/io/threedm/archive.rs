@@ -1,8 +1,9 @@
 //! The tables of an archive.
 
-use super::bytes::{Chunk, Cursor, Format, LONGEST_NAME};
+use super::bytes::{Chunk, Cursor, Fault, Format, LONGEST_NAME};
 use super::error::ReadError;
 use super::records::{self, Definition, Layer, Record, Unit};
+use crate::answer::note::reader::{ArchiveTable, ReaderNote, UnitNote};
 use std::collections::HashMap;
 
 /// What every archive begins with.
@@ -39,7 +40,7 @@ pub(super) struct Archive<'a> {
     /// Objects in the order of their table; what is wrong with those that cannot be framed.
     pub objects: Vec<Result<Record<'a>, String>>,
     /// Remarks on the file as a whole.
-    pub notes: Vec<String>,
+    pub notes: Vec<ReaderNote>,
 }
 
 /// Reads the tables of an archive.
@@ -80,22 +81,27 @@ pub(super) fn archive(bytes: &[u8]) -> Result<Archive<'_>, ReadError> {
     }
     match unit {
         Some(u) => out.unit = u,
-        None => out.notes.push("the file has no settings of units".into()),
+        None => out.notes.push(ReaderNote::Unit(UnitNote::NoSettings)),
     }
     Ok(out)
 }
 
 impl<'a> Archive<'a> {
+    /// Notes the entry of a table after `before` others.
+    fn unreadable(&mut self, table: ArchiveTable, before: usize, fault: Fault) {
+        self.notes.push(ReaderNote::Entry { table, number: before + 1, reason: fault.0 });
+    }
+
     /// Keeps a record of a table.
     fn keep(&mut self, table: u32, code: u32, body: Cursor<'a>) {
         match code {
             LAYER => match records::layer(body) {
                 Ok(l) => self.layers.push(l),
-                Err(f) => self.notes.push(format!("layer {} cannot be read: {}", self.layers.len() + 1, f.0)),
+                Err(f) => self.unreadable(ArchiveTable::Layer, self.layers.len(), f),
             },
             BLOCK => match records::definition(body) {
                 Ok(d) => self.blocks.push(d),
-                Err(f) => self.notes.push(format!("block {} cannot be read: {}", self.blocks.len() + 1, f.0)),
+                Err(f) => self.unreadable(ArchiveTable::Block, self.blocks.len(), f),
             },
             OBJECT => self.objects.push(records::record(body).map_err(|f| f.0)),
             _ if table == OBJECTS => self.objects.push(Err(format!("records of kind {code:#010x} are not read"))),

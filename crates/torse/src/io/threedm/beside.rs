@@ -6,6 +6,7 @@ use super::bytes::{fault, Cursor, Reading};
 use super::classes::Class;
 use super::curves;
 use super::records::Object;
+use crate::answer::note::reader::ReaderNote;
 use crate::brep::free_curve::{FreeCurve, FreeShape};
 use std::collections::HashSet;
 
@@ -13,7 +14,7 @@ use std::collections::HashSet;
 const MOST_COPIED: usize = 5_000_000;
 
 /// Reads them where blocks put them, mm; with what could not be read, in words.
-pub(super) fn read(archive: &Archive, uses: &[Occurrence]) -> (Vec<FreeCurve>, Vec<String>) {
+pub(super) fn read(archive: &Archive, uses: &[Occurrence]) -> (Vec<FreeCurve>, Vec<ReaderNote>) {
     let layers = archive.named_layers();
     let (mut out, mut notes) = (Vec::new(), Vec::new());
     let (mut seen, mut held) = (HashSet::new(), 0);
@@ -32,12 +33,12 @@ pub(super) fn read(archive: &Archive, uses: &[Occurrence]) -> (Vec<FreeCurve>, V
                 let name = if words.is_empty() { record.attributes.name.clone() } else { words };
                 out.push(FreeCurve { item: format!("object {}", o.object + 1), name, layer, shape });
             }
-            Err(f) if first => notes.push(format!("{}: {}", label(o.object, record), f.0)),
+            Err(f) if first => notes.push(ReaderNote::Object { name: label(o.object, record), reason: f.0 }),
             Err(_) => {}
         }
     }
     if held > MOST_COPIED {
-        notes.push("the blocks of the file copy too many curves; the last copies are left out".into());
+        notes.push(ReaderNote::TooManyCopies);
     }
     (out, notes)
 }

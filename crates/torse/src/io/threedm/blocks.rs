@@ -4,6 +4,7 @@ use super::archive::Archive;
 use super::bytes::{fault, Reading, Uuid};
 use super::classes::Class;
 use super::records::{self, Attributes, Definition, Record};
+use crate::answer::note::reader::ReaderNote;
 use crate::answer::skipped::Skipped;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
@@ -62,7 +63,7 @@ pub(super) struct Uses {
     /// Uses of curves, points and text dots where faces are wanted.
     pub beside: Vec<Occurrence>,
     pub skipped: Vec<Skipped>,
-    pub notes: Vec<String>,
+    pub notes: Vec<ReaderNote>,
 }
 
 /// What an object is called in messages.
@@ -101,16 +102,10 @@ pub(super) fn uses(archive: &Archive, want: Want) -> Uses {
         }
     }
     if !walk.hidden.is_empty() {
-        walk.out.notes.push(format!(
-            "{} objects are hidden or on layers that are switched off; they are left out",
-            walk.hidden.len()
-        ));
+        walk.out.notes.push(ReaderNote::HiddenObjects { count: walk.hidden.len() });
     }
     if !walk.texts.is_empty() {
-        walk.out.notes.push(format!(
-            "{} annotations (texts, dimensions) are not read, and not carried to flat patterns; points, text dots and curves are",
-            walk.texts.len()
-        ));
+        walk.out.notes.push(ReaderNote::AnnotationsNotRead { count: walk.texts.len() });
     }
     walk.out
 }

@@ -5,8 +5,9 @@ use super::bytes::Reading;
 use super::classes::Class;
 use super::error::ReadError;
 use super::{archive, brep, curves};
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::placement::Placement;
-use crate::io::words::left_out;
+use crate::io::words::note::reader_note;
 use crate::spline::curve::Curve;
 use std::collections::{HashMap, HashSet};
 
@@ -28,7 +29,7 @@ pub(crate) struct NamedCurve {
 ///
 /// # Errors
 /// Not an archive, or a damaged one; no curve that can be read.
-pub fn curves(bytes: &[u8]) -> Result<(Vec<NamedCurve>, Vec<String>), ReadError> {
+pub fn curves(bytes: &[u8]) -> Result<(Vec<NamedCurve>, Vec<ReaderNote>), ReadError> {
     let archive = archive::archive(bytes)?;
     let scale = archive.unit.length;
     let mut found = Vec::new();
@@ -38,7 +39,7 @@ pub fn curves(bytes: &[u8]) -> Result<(Vec<NamedCurve>, Vec<String>), ReadError>
         let uses = blocks::uses(&archive, want);
         if want == Want::Curves {
             notes.extend(uses.notes);
-            notes.extend(uses.skipped.iter().map(left_out));
+            notes.extend(uses.skipped.into_iter().map(ReaderNote::LeftOut));
         }
         let (mut seen, mut held) = (HashSet::new(), 0);
         for o in &uses.occurrences {
@@ -60,7 +61,7 @@ pub fn curves(bytes: &[u8]) -> Result<(Vec<NamedCurve>, Vec<String>), ReadError>
                     let label = if *n > 1 { format!("{name}/{n}") } else { name };
                     found.push(NamedCurve { label, curves: placed(pieces, &o.placement) });
                 }
-                Err(f) => notes.push(format!("{}: {}", label(o.object, record), f.0)),
+                Err(f) => notes.push(ReaderNote::Object { name: label(o.object, record), reason: f.0 }),
             };
             match object.class {
                 Class::Brep => match brep::read(object.data, scale) {
@@ -79,13 +80,13 @@ pub fn curves(bytes: &[u8]) -> Result<(Vec<NamedCurve>, Vec<String>), ReadError>
             }
         }
         if held > MOST_COPIED {
-            notes.push("the blocks of the file copy too many curves; the last copies are left out".into());
+            notes.push(ReaderNote::TooManyCopies);
         }
         if !found.is_empty() {
             return Ok((found, notes));
         }
     }
-    let reason = notes.into_iter().next().unwrap_or_default();
+    let reason = notes.first().map_or_else(String::new, reader_note);
     Err(ReadError::Nothing { what: "curves", objects: archive.objects.len(), reason })
 }
 

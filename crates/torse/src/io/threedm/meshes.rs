@@ -4,9 +4,10 @@ use super::archive;
 use super::blocks::{self, label, Want};
 use super::bytes::{checksum, fault, Cursor, Fault, Reading};
 use super::error::ReadError;
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
-use crate::io::words::left_out;
+use crate::io::words::note::reader_note;
 use std::collections::HashSet;
 
 /// Coordinates above this many mm (a million kilometres) are damage.
@@ -27,8 +28,8 @@ pub struct Meshes {
     pub faces: Vec<[u32; 4]>,
     /// Whether the archive names no length unit, so that millimetres are assumed.
     pub assumes_unit: bool,
-    /// What was not read, in words.
-    pub notes: Vec<String>,
+    /// What was not read.
+    pub notes: Vec<ReaderNote>,
 }
 
 impl Meshes {
@@ -49,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<Meshes, ReadError> {
     let uses = blocks::uses(&archive, Want::Meshes);
     let mut notes = archive.notes.clone();
     notes.extend(uses.notes);
-    notes.extend(uses.skipped.iter().map(left_out));
+    notes.extend(uses.skipped.into_iter().map(ReaderNote::LeftOut));
     let mut out = Meshes::default();
     let (mut seen, mut copied) = (HashSet::new(), 0);
     for o in &uses.occurrences {
@@ -68,16 +69,16 @@ pub fn read(bytes: &[u8]) -> Result<Meshes, ReadError> {
             Ok(())
         });
         if let Err(f) = read {
-            notes.push(format!("{}: {}", label(o.object, record), f.0));
+            notes.push(ReaderNote::Object { name: label(o.object, record), reason: f.0 });
         }
     }
     let within = |p: &Vec3| p.iter().all(|x| x.abs() <= FARTHEST);
     if !out.points.iter().all(within) {
-        notes.insert(0, "corners of meshes lie endlessly far away".into());
+        notes.insert(0, ReaderNote::EndlessMeshes);
         out = Meshes::default();
     }
     if out.points.is_empty() {
-        let reason = notes.into_iter().next().unwrap_or_default();
+        let reason = notes.first().map_or_else(String::new, reader_note);
         return Err(ReadError::Nothing { what: "meshes", objects: archive.objects.len(), reason });
     }
     Ok(Meshes { assumes_unit: archive.unit.name.is_empty(), notes, ..out })

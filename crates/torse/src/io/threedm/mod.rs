@@ -23,6 +23,7 @@ pub(crate) mod write;
 use self::blocks::{Occurrence, Want};
 pub use self::error::ReadError;
 use self::faces::Shapes;
+use crate::answer::note::reader::{ReaderNote, UnitNote};
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::area::spanned_area_estimate;
@@ -66,7 +67,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let archive = archive::archive(bytes)?;
     let mut notes = archive.notes.clone();
     if archive.unit.name.is_empty() {
-        notes.push("the file states no length unit; millimetres are assumed".into());
+        notes.push(ReaderNote::Unit(UnitNote::Missing));
     }
     let uses = blocks::uses(&archive, Want::Faces);
     notes.extend(uses.notes);

@@ -2,6 +2,7 @@
 
 use super::placing;
 use super::records::{Entry, Fault, Records};
+use crate::answer::note::reader::{AnnotationKind, ReaderNote};
 use crate::brep::free_curve::FreeShape;
 use crate::geom::Vec3;
 use crate::io::model::not_carried;
@@ -9,14 +10,14 @@ use crate::io::model::not_carried;
 /// Type of general notes.
 pub(super) const NOTE: u32 = 212;
 
-/// Types with what people call them.
-const KINDS: [(&[u32], &str, &str); 6] = [
-    (&[214], "leader line", "leader lines"),
-    (&[202, 204, 206, 216, 218, 220, 222], "dimension", "dimensions"),
-    (&[208, 210], "label", "labels"),
-    (&[NOTE, 213], "note", "notes"),
-    (&[228], "symbol", "symbols"),
-    (&[230], "filled area", "filled areas"),
+/// Types of the kinds.
+const KINDS: [(&[u32], AnnotationKind); 6] = [
+    (&[214], AnnotationKind::LeaderLine),
+    (&[202, 204, 206, 216, 218, 220, 222], AnnotationKind::Dimension),
+    (&[208, 210], AnnotationKind::Label),
+    (&[NOTE, 213], AnnotationKind::Note),
+    (&[228], AnnotationKind::Symbol),
+    (&[230], AnnotationKind::FilledArea),
 ];
 
 /// Fields of a string of a note.
@@ -30,10 +31,10 @@ pub(super) fn is_text(e: &Entry) -> bool {
 }
 
 /// What is said of those that are not read; nothing where there are none.
-pub(super) fn told(records: &Records) -> Option<String> {
+pub(super) fn told(records: &Records) -> Option<ReaderNote> {
     let left = |e: &&Entry| !e.blanked && !is_text(e);
     let count = |kinds: &[u32]| records.all().filter(left).filter(|e| kinds.contains(&e.kind)).count();
-    not_carried(&KINDS.map(|(kinds, one, many)| (count(kinds), one, many)))
+    not_carried(KINDS.map(|(types, kind)| (kind, count(types))))
 }
 
 /// The strings of a note with their places, in the numbers of the file.

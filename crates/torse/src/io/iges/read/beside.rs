@@ -4,6 +4,7 @@ use super::annotations::{self, NOTE};
 use super::curves::Geometry;
 use super::records::{Fault, Records};
 use super::walk::{Occurrence, POINT};
+use crate::answer::note::reader::ReaderNote;
 use crate::brep::free_curve::{FreeCurve, FreeShape};
 use crate::brep::ruled::spline_of;
 use crate::geom::placement::Placement;
@@ -12,7 +13,7 @@ use nalgebra::Matrix3;
 use std::collections::HashMap;
 
 /// Reads them, mm; with what could not be read, in words.
-pub(super) fn read(geometry: &Geometry, uses: &[Occurrence]) -> (Vec<FreeCurve>, Vec<String>) {
+pub(super) fn read(geometry: &Geometry, uses: &[Occurrence]) -> (Vec<FreeCurve>, Vec<ReaderNote>) {
     let unit = geometry.records.global.millimetres;
     let levels = levels(geometry.records);
     let (mut out, mut notes) = (Vec::new(), Vec::new());
@@ -28,11 +29,11 @@ pub(super) fn read(geometry: &Geometry, uses: &[Occurrence]) -> (Vec<FreeCurve>,
                     if shape.is_sound() {
                         out.push(FreeCurve { item: format!("D{}", o.face), name, layer: layer.clone(), shape });
                     } else {
-                        notes.push(format!("the curve D{} is not finite where it is put", o.face));
+                        notes.push(ReaderNote::NotFinite { item: format!("D{}", o.face) });
                     }
                 }
             }
-            Err(f) => notes.push(format!("a curve beside the faces is not read: {}", f.reason)),
+            Err(f) => notes.push(ReaderNote::FreeCurve { reason: f.reason }),
         }
     }
     notes.extend(annotations::told(geometry.records));

@@ -1,6 +1,7 @@
 //! The global section: delimiters, units, names.
 
 use super::fields::{Delimiters, Field, Reader};
+use crate::answer::note::reader::UnitNote;
 use crate::geom::unit;
 
 /// What the global section says.
@@ -17,7 +18,7 @@ pub(super) struct Global {
     /// Name of the product, else of the file.
     pub product: String,
     /// Remarks.
-    pub notes: Vec<String>,
+    pub notes: Vec<UnitNote>,
 }
 
 /// Length units by their flag.
@@ -65,10 +66,7 @@ impl Global {
         match number(13) {
             Some(scale) if scale > 0.0 && scale != 1.0 => {
                 out.millimetres /= scale;
-                out.notes.push(format!(
-                    "the file is drawn at the scale {scale}; lengths are those of the real part, {} mm for each number",
-                    out.millimetres
-                ));
+                out.notes.push(UnitNote::Scale { scale, millimetres: out.millimetres });
             }
             _ => {}
         }
@@ -90,14 +88,14 @@ impl Global {
             Some(u) => {
                 (self.millimetres, self.unit) = (u.mm, u.name.to_string());
                 if by_name().is_some_and(|n| n.name != u.name) {
-                    self.notes.push(format!("the unit's flag says {}, its name {name:?}; the flag is used", u.name));
+                    self.notes.push(UnitNote::Differ { flag: u.name.into(), name: name.into() });
                 }
             }
             None if name.is_empty() => {
                 self.millimetres = by_flag(DEFAULT).map_or(1.0, |u| u.mm);
-                self.notes.push("the file states no length unit, which means inches by the standard".into());
+                self.notes.push(UnitNote::Inches);
             }
-            None => self.notes.push(format!("the length unit {name:?} is not known; millimetres are assumed")),
+            None => self.notes.push(UnitNote::Unknown { name: name.into() }),
         }
     }
 }
@@ -159,10 +157,11 @@ mod tests {
             assert!((g.resolution - 1e-3 * mm).abs() < 1e-12);
             assert_eq!(g.product, "box");
         }
-        for (text, note) in [("1,0,", "inches by the standard"), ("1,3,5HCUBIT", "CUBIT"), ("1,1,2HMM", "flag is used")]
-        {
+        let differ = UnitNote::Differ { flag: "inch".into(), name: "MM".into() };
+        let unknown = UnitNote::Unknown { name: "CUBIT".into() };
+        for (text, note) in [("1,0,", UnitNote::Inches), ("1,3,5HCUBIT", unknown), ("1,1,2HMM", differ)] {
             let g = global(text);
-            assert!(g.notes.iter().any(|n| n.contains(note)), "{text}: {:?}", g.notes);
+            assert!(g.notes.contains(&note), "{text}: {:?}", g.notes);
         }
     }
 

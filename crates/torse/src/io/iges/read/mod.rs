@@ -27,6 +27,7 @@ use self::faces::{Asked, Lost};
 use self::records::Records;
 use self::sections::{Sections, LETTER, RECORD};
 use self::walk::{Census, Occurrence};
+use crate::answer::note::reader::{EndMark, ReaderNote};
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
@@ -34,6 +35,7 @@ use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use crate::io::model::unread;
 use crate::io::model::{first_of, Model, ReadOptions};
+use crate::io::words::note::reader_note;
 use crate::io::words::why;
 use crate::num::parallel;
 use nalgebra::Matrix3;
@@ -110,7 +112,8 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     notes.extend(census.notes.iter().cloned());
     let mut skipped: Vec<Skipped> = census.faults.iter().map(|f| unread(f.entity, f.reason.clone(), None)).collect();
     if census.occurrences.is_empty() {
-        let reason = skipped.first().map(|s| why(&s.reason)).into_iter().chain(damage(&sections));
+        let damage = damage(&sections);
+        let reason = skipped.first().map(|s| why(&s.reason)).into_iter().chain(damage.iter().map(reader_note));
         let reason = reason.collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoFaces { entities: records.order.len(), reason });
     }
@@ -181,16 +184,13 @@ fn foreign(bytes: &[u8]) -> &'static str {
 }
 
 /// What was found wrong with the lines of a file.
-fn damage(sections: &Sections) -> Vec<String> {
+fn damage(sections: &Sections) -> Vec<ReaderNote> {
     let mut out = Vec::new();
     if !sections.terminated {
-        out.push("the file has no last line (T): it may be truncated, though nothing is known to be missing".into());
+        out.push(ReaderNote::NoEnd(EndMark::LastLine));
     }
     if sections.unreadable > 0 {
-        out.push(format!(
-            "{} lines belong to no section and were passed over, the first is line {}",
-            sections.unreadable, sections.first_unreadable
-        ));
+        out.push(ReaderNote::NoSection { lines: sections.unreadable, line: sections.first_unreadable });
     }
     out
 }

@@ -3,6 +3,7 @@
 use super::fields::{Delimiters, Field, Reader};
 use super::global::Global;
 use super::sections::{SectionLine, Sections};
+use crate::answer::note::reader::ReaderNote;
 use crate::num::parallel;
 use std::collections::HashMap;
 
@@ -164,7 +165,7 @@ pub(super) struct Records {
     /// Numbers of the entities in the order of the directory.
     pub order: Vec<u64>,
     /// What was found wrong with the file as a whole.
-    pub notes: Vec<String>,
+    pub notes: Vec<ReaderNote>,
     /// Entities whose parameter data are not there.
     pub lost: Vec<u64>,
     /// Numbers and types of entities that have parameter data but no entry in the directory.
@@ -176,7 +177,7 @@ impl Records {
     /// Reads directory and parameter data.
     pub fn of(sections: &Sections) -> Self {
         let global = Global::of(&sections.global);
-        let mut notes = global.notes.clone();
+        let mut notes: Vec<ReaderNote> = global.notes.iter().cloned().map(ReaderNote::Unit).collect();
         let mut entries = directory(&sections.directory, &mut notes);
         let data = Data::of(sections, global.delimiters.record);
         let delimiters = global.delimiters;
@@ -188,7 +189,7 @@ impl Records {
         let lost: Vec<u64> = entries.iter().filter(|e| e.0.fields.is_empty()).map(|e| e.0.number).collect();
         let open = entries.iter().filter(|e| !e.0.complete && !e.0.fields.is_empty()).count();
         if open > 0 {
-            notes.push(format!("the data of {open} entities have no end"));
+            notes.push(ReaderNote::OpenData { entities: open });
         }
         let entries: HashMap<u64, Entry> = entries.into_iter().map(|(e, _)| (e.number, e)).collect();
         let unlisted = data.unlisted(&entries);
@@ -224,7 +225,7 @@ impl Records {
 /// Sequence number of the first line of an entity's data, and how many lines it has.
 type Place = (u64, usize);
 
-fn directory(lines: &[SectionLine], notes: &mut Vec<String>) -> Vec<(Entry, Place)> {
+fn directory(lines: &[SectionLine], notes: &mut Vec<ReaderNote>) -> Vec<(Entry, Place)> {
     let mut out = Vec::with_capacity(lines.len() / 2);
     let mut broken = 0;
     let mut i = 0;
@@ -242,7 +243,7 @@ fn directory(lines: &[SectionLine], notes: &mut Vec<String>) -> Vec<(Entry, Plac
         }
     }
     if broken > 0 {
-        notes.push(format!("{broken} lines of the directory have lost the other half of their entry"));
+        notes.push(ReaderNote::HalfEntries { lines: broken });
     }
     out
 }

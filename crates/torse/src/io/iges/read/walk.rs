@@ -6,6 +6,7 @@ use super::faces::is_face;
 use super::placing;
 use super::records::DEEPEST;
 use super::records::{Entry, Fault, Records};
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use std::collections::{HashMap, HashSet};
@@ -35,7 +36,7 @@ pub(super) struct Census {
     /// Entities that could not be followed.
     pub faults: Vec<Fault>,
     /// Remarks on the file as a whole.
-    pub notes: Vec<String>,
+    pub notes: Vec<ReaderNote>,
     /// Names of parts.
     pub parts: Vec<String>,
 }
@@ -110,21 +111,15 @@ pub(super) fn census(records: &Records) -> Census {
         }
     }
     if orphans > 0 {
-        walk.out.notes.push(format!(
-            "surfaces that are marked as parts of others, though nothing refers to them, and are read as faces: {orphans}"
-        ));
+        walk.out.notes.push(ReaderNote::Orphans { count: orphans });
     }
     let hidden: HashSet<u64> = walk.out.occurrences.iter().map(|o| o.face).collect();
     let hidden = hidden.iter().filter(|f| records.entry(**f).is_some_and(|e| e.blanked)).count();
     if hidden > 0 {
-        walk.out.notes.push(format!("faces that are hidden (blanked) in the file, and read all the same: {hidden}"));
+        walk.out.notes.push(ReaderNote::HiddenFaces { count: hidden });
     }
-    if let Some(first) = walk.turned.first() {
-        walk.out.notes.push(format!(
-            "copies of parts that are both shifted and turned, D{first} first: {}; the turn is taken last, as the standard says of all \
-             data, but some programs take the shift last",
-            walk.turned.len()
-        ));
+    if let Some(&first) = walk.turned.first() {
+        walk.out.notes.push(ReaderNote::ShiftedAndTurned { first, count: walk.turned.len() });
     }
     walk.out
 }

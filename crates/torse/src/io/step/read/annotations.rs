@@ -1,11 +1,12 @@
 //! Annotations of a STEP file, which are on no face: counted by kinds.
 
 use super::records::Records;
+use crate::answer::note::reader::{AnnotationKind, ReaderNote};
 use crate::io::model::not_carried;
 use std::collections::HashSet;
 
-/// Keywords with what people call them, the more special ones first: a record may have several.
-const KINDS: [(&[&str], &str, &str); 7] = [
+/// Keywords of the kinds, the more special ones first: a record may have several.
+const KINDS: [(&[&str], AnnotationKind); 7] = [
     (
         &[
             "TEXT_LITERAL",
@@ -14,20 +15,19 @@ const KINDS: [(&[&str], &str, &str); 7] = [
             "TEXT_LITERAL_WITH_DELINEATION",
             "TEXT_LITERAL_WITH_EXTENT",
         ],
-        "text",
-        "texts",
+        AnnotationKind::Text,
     ),
-    (&["TESSELLATED_ANNOTATION_OCCURRENCE"], "drawn annotation", "drawn annotations"),
-    (&["LEADER_CURVE"], "leader line", "leader lines"),
-    (&["DIMENSION_CURVE", "PROJECTION_CURVE"], "dimension line", "dimension lines"),
-    (&["ANNOTATION_SYMBOL_OCCURRENCE"], "symbol", "symbols"),
-    (&["ANNOTATION_FILL_AREA_OCCURRENCE"], "filled area", "filled areas"),
-    (&["ANNOTATION_CURVE_OCCURRENCE"], "annotation line", "annotation lines"),
+    (&["TESSELLATED_ANNOTATION_OCCURRENCE"], AnnotationKind::Drawn),
+    (&["LEADER_CURVE"], AnnotationKind::LeaderLine),
+    (&["DIMENSION_CURVE", "PROJECTION_CURVE"], AnnotationKind::DimensionLine),
+    (&["ANNOTATION_SYMBOL_OCCURRENCE"], AnnotationKind::Symbol),
+    (&["ANNOTATION_FILL_AREA_OCCURRENCE"], AnnotationKind::FilledArea),
+    (&["ANNOTATION_CURVE_OCCURRENCE"], AnnotationKind::Line),
 ];
 
 /// What is said of them; nothing where there are none.
-pub(super) fn told(records: &Records) -> Option<String> {
+pub(super) fn told(records: &Records) -> Option<ReaderNote> {
     let mut seen = HashSet::new();
     let mut count = |keywords: &[&str]| records.all(keywords).into_iter().filter(|id| seen.insert(*id)).count();
-    not_carried(&KINDS.map(|(keywords, one, many)| (count(keywords), one, many)))
+    not_carried(KINDS.map(|(keywords, kind)| (kind, count(keywords))))
 }

@@ -4,14 +4,15 @@ use super::curves::{Geometry, ResolvedCurve};
 use super::records::{as_reference, Fault, Records};
 use super::token::Value;
 use super::walk::Census;
+use crate::answer::note::reader::ReaderNote;
 use crate::brep::free_curve::{FreeCurve, FreeShape};
 use crate::brep::ruled::spline_of;
 use crate::brep::space_curve::Arc;
 use crate::spline::curve::Curve;
 use std::collections::HashMap;
 
-/// Reads them, mm; with what could not be read, in words.
-pub(super) fn read(records: &Records, census: &Census) -> (Vec<FreeCurve>, Vec<String>) {
+/// Reads them, mm; with what could not be read.
+pub(super) fn read(records: &Records, census: &Census) -> (Vec<FreeCurve>, Vec<ReaderNote>) {
     let layers = layers(records);
     let (mut out, mut notes) = (Vec::new(), Vec::new());
     for o in &census.beside {
@@ -32,8 +33,8 @@ pub(super) fn read(records: &Records, census: &Census) -> (Vec<FreeCurve>, Vec<S
                 let layer = layers.get(&o.face).cloned().unwrap_or_default();
                 out.push(FreeCurve { item: format!("#{}", o.face), name: name.into(), layer, shape });
             }
-            Ok(_) => notes.push(format!("the curve #{} is not finite where it is put", o.face)),
-            Err(f) => notes.push(format!("a curve beside the faces is not read: {}", f.reason)),
+            Ok(_) => notes.push(ReaderNote::NotFinite { item: format!("#{}", o.face) }),
+            Err(f) => notes.push(ReaderNote::FreeCurve { reason: f.reason }),
         }
     }
     (out, notes)

@@ -6,6 +6,7 @@ use super::token::Value;
 use super::topology::may_be_face;
 use super::units;
 use super::walk::{Here, Occurrence, Walk, DEEPEST_ASSEMBLY, MOST_OCCURRENCES, MOST_STEPS};
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::placement::Placement;
 
 impl<'r, 'a> Walk<'r, 'a> {
@@ -76,7 +77,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                 Err(Fault::new(id, format!("an item of kind {name} is not read")))
             }
             "TRIANGULATED_SURFACE_SET" | "COMPLEX_TRIANGULATED_SURFACE_SET" => {
-                self.out.notes.push(format!("the triangles of #{id} are not read: annotations are drawn so"));
+                self.out.notes.push(ReaderNote::Triangles { entity: id });
                 Ok(())
             }
             _ => Ok(()),
@@ -205,10 +206,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             return;
         }
         self.out.unplaced = true;
-        self.out.notes.push(format!(
-            "no shape representation leads to a face (is the file complete?); its {} faces are read without assembly placements",
-            strays.len()
-        ));
+        self.out.notes.push(ReaderNote::Strays { faces: strays.len() });
         let context = self.records.all(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]).first().copied().unwrap_or(0);
         let units = self.out.units.len();
         self.out.units.push(units::of_context(self.records, context));

@@ -22,6 +22,7 @@ mod walk;
 use self::curves::Geometry;
 use self::records::{Fault, Records};
 use self::walk::{Census, Occurrence};
+use crate::answer::note::reader::{EndMark, ReaderNote, UnitNote};
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
@@ -29,6 +30,7 @@ use crate::brep::raw::RawFace;
 use crate::brep::trim;
 use crate::io::model::unread;
 use crate::io::model::{first_of, Model, ReadOptions};
+use crate::io::words::note::reader_note;
 use crate::io::words::why;
 use crate::num::parallel;
 use std::borrow::Cow;
@@ -133,7 +135,8 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         )));
     }
     if census.occurrences.is_empty() {
-        let reason = census.faults.first().map(|f| f.reason.clone()).into_iter().chain(damage(&records));
+        let damage = damage(&records).iter().map(reader_note).next();
+        let reason = census.faults.first().map(|f| f.reason.clone()).into_iter().chain(damage);
         let reason = reason.collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoFaces { records: records.len(), reason });
     }
@@ -146,7 +149,8 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     if faces.is_empty() {
         let (entity, reason) =
             skipped.last().map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), why(&s.reason)));
-        let reason = std::iter::once(reason).chain(damage(&records)).collect::<Vec<_>>().join("; ");
+        let reason =
+            [reason].into_iter().chain(damage(&records).iter().map(reader_note)).collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
     let (curves, lost) = beside::read(&records, &census);
@@ -246,29 +250,20 @@ fn foreign(text: &str) -> ReadError {
     ReadError::NotStep(guess.into())
 }
 
-/// Text that could not be read, in words.
-fn damage(records: &Records) -> Option<String> {
-    (records.damage.unreadable > 0).then(|| {
-        format!(
-            "{} stretches of text are not records and were passed over, the first in line {}",
-            records.damage.unreadable, records.damage.first_unreadable_line
-        )
-    })
+/// Text that could not be read.
+fn damage(records: &Records) -> Option<ReaderNote> {
+    let (stretches, line) = (records.damage.unreadable, records.damage.first_unreadable_line);
+    (stretches > 0).then_some(ReaderNote::NoRecords { stretches, line })
 }
 
-fn remarks(records: &Records) -> Vec<String> {
+fn remarks(records: &Records) -> Vec<ReaderNote> {
     let mut notes = Vec::new();
     if records.damage.truncated {
-        notes.push(
-            "the file ends without ENDSEC: it may be truncated, though nothing is known to be missing".to_string(),
-        );
+        notes.push(ReaderNote::NoEnd(EndMark::Endsec));
     }
     notes.extend(damage(records));
-    if let Some(first) = records.repeated.first() {
-        notes.push(format!(
-            "{} entity numbers are given to different records, the first #{first}; the first of each is used",
-            records.repeated.len()
-        ));
+    if let Some(&first) = records.repeated.first() {
+        notes.push(ReaderNote::Repeated { count: records.repeated.len(), first });
     }
     notes
 }
@@ -277,7 +272,7 @@ fn remarks(records: &Records) -> Vec<String> {
 const SAME_UNIT: f64 = 1e-12;
 
 /// The unit of the context that most faces use.
-fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
+fn main_unit(census: &Census, notes: &mut Vec<ReaderNote>) -> String {
     let mut counts = vec![0_usize; census.units.len()];
     for o in &census.occurrences {
         if let Some(c) = counts.get_mut(o.units) {
@@ -287,11 +282,11 @@ fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
     let best = (0..counts.len()).max_by_key(|&i| (counts[i], usize::MAX - i));
     let unit = best.map_or(String::new(), |i| census.units[i].name.clone());
     if unit.is_empty() {
-        notes.push("the file states no length unit; millimetres are assumed".into());
+        notes.push(ReaderNote::Unit(UnitNote::Missing));
     }
     let lengths: Vec<f64> = (0..counts.len()).filter(|&i| counts[i] > 0).map(|i| census.units[i].length).collect();
     if lengths.iter().any(|l| (l - lengths[0]).abs() > SAME_UNIT * lengths[0]) {
-        notes.push("the parts of the file have different length units".into());
+        notes.push(ReaderNote::Unit(UnitNote::Mixed));
     }
     unit
 }

@@ -5,6 +5,7 @@ use super::records::{as_reference, Args, Fault, Records};
 use super::token::Value;
 use super::units;
 use super::walk::{Census, Child, Here, Walk, DEEPEST_ASSEMBLY, MOST_OCCURRENCES, MOST_STEPS};
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::placement::Placement;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -248,12 +249,11 @@ impl<'r, 'a> Walk<'r, 'a> {
                 continue;
             }
             let name = self.members.get(&group).and_then(|all| all.iter().find_map(|m| self.part.get(m)));
-            let name = name.cloned().unwrap_or_else(|| "a part".into());
             if usages.len() == 1 {
-                let told = format!("nothing says where {name} goes in its assembly; it is read where it was drawn");
-                self.out.notes.push(told);
+                self.out.notes.push(ReaderNote::Unplaced { part: name.cloned() });
                 continue;
             }
+            let name = name.map_or("a part", String::as_str);
             let fault = |u: u64| Fault::new(u, format!("nothing says where this use of {name} goes"));
             self.out.faults.extend(usages.into_iter().filter(|u| !placed.contains(u)).map(fault));
         }
@@ -299,7 +299,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         let mut roots: Vec<u64> = self.members.keys().copied().filter(|g| !inner.contains(g)).collect();
         if roots.is_empty() {
             if !self.members.is_empty() {
-                self.out.notes.push("the assembly has no top: every part is placed in another".into());
+                self.out.notes.push(ReaderNote::NoTop);
             }
             roots = self.members.keys().copied().collect();
         }

@@ -2,6 +2,7 @@
 
 use super::records::{Fault, Records};
 use super::units::Units;
+use crate::answer::note::reader::ReaderNote;
 use crate::geom::placement::Placement;
 use std::collections::{HashMap, HashSet};
 
@@ -36,7 +37,7 @@ pub(super) struct Census {
     /// Whether no shape representation leads to a face.
     pub unplaced: bool,
     /// Remarks on the file as a whole.
-    pub notes: Vec<String>,
+    pub notes: Vec<ReaderNote>,
     /// Names of the products.
     pub products: Vec<String>,
 }

@@ -156,7 +156,7 @@ fn curves_are_read_as_jobs_want_them() {
     assert_eq!(found.iter().map(|c| (c.label.as_str(), c.curves.len())).collect::<Vec<_>>(), [("rail", 2), ("2", 1)]);
     assert_eq!(found[0].curves[1].point(FRAC_PI_2)[..2].iter().map(|x| x.round()).collect::<Vec<_>>(), [0.0, 20.0]);
     assert_eq!(found[1].curves[0].point(0.5)[..2], [10.0, 10.0]);
-    assert!(notes.iter().any(|n| n.starts_with("object 3 (curve 'rail'")), "{notes:?}");
+    assert!(notes.iter().any(|n| words::note::reader_note(n).starts_with("object 3 (curve 'rail'")), "{notes:?}");
     // Without curves, the edges.
     let v = [[0., 0.], [4., 0.], [4., 3.]];
     let face = plane_face(4, &v, &[Ring { corners: &[0, 1, 2], outer: true }], false, true);

@@ -3,8 +3,11 @@
 mod fit;
 mod loft;
 mod net;
+mod reader;
 mod shop;
 mod unroll;
+
+pub(in crate::io) use reader::reader_note;
 
 use super::counted;
 use super::numbers::{length, number, number_bound, percent};
@@ -91,7 +94,7 @@ fn worst_joints(all: &[Note], count: usize) -> String {
 /// A note in words.
 pub fn note(note: &Note) -> String {
     match note {
-        Note::Input(words) => words.clone(),
+        Note::Input(note) => reader_note(note),
         Note::Chosen { count, all } => format!("{count} of the {all} faces of the file, as chosen"),
         Note::BothSkins { body, thickness, faces: [outer, inner, sides] } => format!(
             "{} is a sheet of about {}: its outer skin has {}, its inner {inner}, its sides {sides}; all are \
@@ -256,6 +259,7 @@ fn planarised(level: usize, report: &LevelReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::note::ReaderNote;
     use crate::answer::note::UnrollNote;
     use crate::answer::note::{Became, FaceNote, FitNote};
     use crate::answer::note::{EndNote, ExactPiece, Leads, LoftNote, NetNote, Outlines, Quality, SplineSize};
@@ -290,12 +294,12 @@ mod tests {
         };
         let few = [joint(0, UpperBound::nothing(), false), joint(1, UpperBound::nothing(), true)];
         assert_eq!(notes(&few).len(), 2);
-        let mut many = vec![Note::Input("first".into())];
+        let mut many = vec![Note::Input(ReaderNote::NoTop)];
         let bound = |k: usize| if k == 4 { UpperBound::UNKNOWN } else { UpperBound::nothing() };
         many.extend((0..5).map(|k| joint(k, bound(k), k == 1)));
-        many.push(Note::Input("last".into()));
+        many.push(Note::ExactFaces);
         let told = notes(&many);
-        assert!(told.len() == 3 && told[0] == "first" && told[2] == "last", "{told:?}");
+        assert!(told.len() == 3 && told[0] == note(&many[0]) && told[2] == note(&Note::ExactFaces), "{told:?}");
         assert!(
             told[1].starts_with("5 joins, all in the report; ") && told[1].contains("(join 4, a and b4)"),
             "{told:?}"
@@ -318,11 +322,6 @@ mod tests {
         };
         assert!(cut(7).starts_with("A: cut along edge #7, because"), "{}", cut(7));
         assert!(cut(0).starts_with("A: cut along an edge, because"), "{}", cut(0));
-    }
-
-    #[test]
-    fn words_of_a_reader_stay_as_they_are() {
-        assert_eq!(note(&Note::Input("the file is truncated".into())), "the file is truncated");
     }
 
     #[test]

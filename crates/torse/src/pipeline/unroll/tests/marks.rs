@@ -70,6 +70,6 @@ fn annotations_of_step_files_are_told() {
     let text = include_str!("../../../../../../data/bracket.step");
     let (before, after) = text.rsplit_once("ENDSEC;").expect("an end");
     let model = crate::io::cad::read(format!("{before}{more}ENDSEC;{after}").as_bytes()).expect("a model");
-    let told: Vec<String> = model.notes.iter().map(|n| format!("{n:?}")).collect();
+    let told: Vec<String> = model.notes.iter().map(crate::io::words::note).collect();
     assert!(told.iter().any(|n| n.contains("1 text and 2 leader lines")), "{told:?}");
 }
