@@ -60,20 +60,7 @@ pub(super) fn words(note: &UnrollNote) -> String {
             listed(faces.iter().map(|f| format!("#{f}")))
         ),
         UnrollNote::Carried { curves, points, distance, deviation } => {
-            let counted = |n: usize, one: &str| match n {
-                0 => None,
-                1 => Some(format!("1 {one}")),
-                n => Some(format!("{n} {one}s")),
-            };
-            let what: Vec<String> =
-                [counted(*curves, "curve"), counted(*points, "point")].into_iter().flatten().collect();
-            format!(
-                "On the flat patterns, to be marked (layer MARK_CURVE): {} of the model, at most {} from the faces; the lines \
-                 keep within {} of their images. Both are measured.",
-                what.join(" and "),
-                length(*distance),
-                length(*deviation)
-            )
+            carried([*curves, *points], [*distance, *deviation].map(length))
         }
         UnrollNote::OtherSide { curves } => format!(
             "On the other side of the sheet than that from which its part is seen, and labelled so: {}.",
@@ -102,6 +89,17 @@ pub(super) fn words(note: &UnrollNote) -> String {
         }
         UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
     }
+}
+
+/// Curves and points of the model on flat patterns.
+fn carried([curves, points]: [usize; 2], [distance, deviation]: [String; 2]) -> String {
+    let told = |n: usize, one: &str| (n > 0).then(|| counted(n, one));
+    let what: Vec<String> = [told(curves, "curve"), told(points, "point")].into_iter().flatten().collect();
+    format!(
+        "On the flat patterns, to be marked (layer MARK_CURVE): {} of the model, at most {distance} from the faces; the lines keep \
+         within {deviation} of their images. Both are measured.",
+        what.join(" and ")
+    )
 }
 
 /// Names, of many the first.
