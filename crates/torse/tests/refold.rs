@@ -198,6 +198,17 @@ fn fans_that_begin_a_hair_before_their_tips_are_laid_flat_again() {
     assert_eq!(back.status(), Status::Certified, "{:?}", back.report());
 }
 
+fn model_of(faces: Vec<Face>) -> torse::Model {
+    torse::Model {
+        faces,
+        skipped: Vec::new(),
+        notes: Vec::new(),
+        unit: String::new(),
+        products: Vec::new(),
+        curves: Vec::new(),
+    }
+}
+
 /// A plane whose parameters run unevenly is proven to a billionth or two of its size, and not to a part of the tolerance.
 #[test]
 fn a_plane_of_uneven_parameters_is_proven_by_lengths() {
@@ -206,14 +217,7 @@ fn a_plane_of_uneven_parameters_is_proven_by_lengths() {
     let at = |x: f64, y: f64| Vec3::new(x + 0.2 * y, y - 0.1 * x, 0.5 * x + 0.2 * y);
     let points: Vec<Vec3> = steps.iter().flat_map(|x| steps.map(|y| at(*x, y))).collect();
     let plate = Face::untrimmed(Surface::new(knots(), knots(), &points, None).expect("a surface"));
-    let model = torse::Model {
-        faces: vec![plate],
-        skipped: Vec::new(),
-        notes: Vec::new(),
-        unit: String::new(),
-        products: Vec::new(),
-        curves: Vec::new(),
-    };
+    let model = model_of(vec![plate]);
     let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01) };
     let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a flat part");
     let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
@@ -232,14 +236,7 @@ fn a_sharp_bend_beside_a_rolled_face_is_proven() {
     for corners in [[rim + way, end + way, rim, end], [rim, end, rim + way, end + way]] {
         let knots = || Knots::clamped(1, &[0.0, 1.0]).expect("knots");
         let plane = Surface::new(knots(), knots(), &corners, None).expect("a surface");
-        let model = torse::Model {
-            faces: [fan.clone(), plane].map(Face::untrimmed).to_vec(),
-            skipped: Vec::new(),
-            notes: Vec::new(),
-            unit: String::new(),
-            products: Vec::new(),
-            curves: Vec::new(),
-        };
+        let model = model_of([fan.clone(), plane].map(Face::untrimmed).to_vec());
         let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01) };
         let mut flat = torse::unroll(&model, &options, &Control::default()).expect("a flat part");
         let files: Files = torse::files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
