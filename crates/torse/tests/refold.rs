@@ -194,8 +194,11 @@ fn fans_that_begin_a_hair_before_their_tips_are_laid_flat_again() {
         assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims());
         unrolled.push(files.clone());
     }
-    let back = refold(&|n| unrolled[0].get(n).cloned(), None, &Control::default()).expect("an answer");
-    assert_eq!(back.status(), Status::Certified, "{:?}", back.report());
+    // The second time panels begin 0.006 mm before their tips, on sides of 0.0024 mm, in which their bend lines end.
+    for files in unrolled {
+        let back = refold(&|n| files.get(n).cloned(), None, &Control::default()).expect("an answer");
+        assert_eq!(back.status(), Status::Certified, "{:?}", back.report());
+    }
 }
 
 fn model_of(faces: Vec<Face>) -> torse::Model {

@@ -237,44 +237,76 @@ fn image(patches: &[BezierPatch], breaks: &[Vec<f64>; 2], [p, q]: [[f64; 2]; 2])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// A plane whose parameters run unevenly, in a rational net with an inner knot in each direction.
-    fn uneven(bend: f64) -> Surface {
+    fn net(steps: [f64; 4], weights: &[f64], bend: f64) -> Surface {
         let knots = || Knots::clamped(2, &[0.0, 0.3, 1.0]).expect("knots");
-        let steps = [0.0, 5.0, 60.0, 100.0];
         let at = |x: f64, y: f64| Vec3::new(x + 0.2 * y, y - 0.1 * x, 0.5 * x + 0.2 * y + bend * x * y);
         let points: Vec<Vec3> = steps.iter().flat_map(|x| steps.map(|y| at(*x, y))).collect();
-        let weights: Vec<f64> = (0..16).map(|k| 1.0 + 0.1 * f64::from(k % 5)).collect();
-        Surface::new(knots(), knots(), &points, Some(&weights)).expect("a surface")
+        Surface::new(knots(), knots(), &points, Some(weights)).expect("a surface")
     }
 
-    #[test]
-    fn a_plane_is_told_by_lengths_whatever_its_parameters() {
-        let surface = uneven(0.0);
+    fn uneven(bend: f64) -> Surface {
+        let weights: Vec<f64> = (0..16).map(|k| 1.0 + 0.1 * f64::from(k % 5)).collect();
+        net([0.0, 5.0, 60.0, 100.0], &weights, bend)
+    }
+
+    fn borders() -> [Vec<[f64; 2]>; 2] {
         let outer = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.2, 0.9], [0.0, 0.5]];
-        let hole = vec![[0.3, 0.3], [0.3, 0.6], [0.7, 0.4]];
-        let borders = [outer, hole];
-        let judged = JudgedPanel::in_plane(&surface, &borders).expect("a plane");
-        assert!(judged.off().value() < 1e-4, "{:?}", judged.off());
-        // Places of the border are on the new one, and these on the plane.
+        [outer, vec![[0.3, 0.3], [0.3, 0.6], [0.7, 0.4]]]
+    }
+
+    /// Greatest distance (mm) of places of borders from those that they are judged by, and of places from the plane.
+    fn farthest(surface: &Surface, judged: &JudgedPanel) -> [f64; 2] {
         let on_border = |x: &Vec3, border: &[[f64; 2]]| {
             let corner = |p: &[f64; 2]| judged.surface().point(p[0], p[1]);
             let sides = border.iter().zip(border.iter().cycle().skip(1));
             sides.map(|(p, q)| (foot(&corner(p), &corner(q), x) - x).norm()).fold(f64::INFINITY, f64::min)
         };
-        for (border, polygon) in borders.iter().zip(judged.borders()) {
+        let mut out = [0.0_f64; 2];
+        for (border, polygon) in borders().iter().zip(judged.borders()) {
             for (p, q) in border.iter().zip(border.iter().cycle().skip(1)) {
                 for k in 0..=20 {
                     let s = f64::from(k) / 20.0;
                     let x = surface.point(p[0] + (q[0] - p[0]) * s, p[1] + (q[1] - p[1]) * s);
-                    let far = on_border(&x, polygon);
-                    assert!(far <= judged.off().value(), "{far:e} {:?}", judged.off());
                     let [a, b] = judged.in_its_plane(&x).expect("its plane");
-                    assert!((judged.surface().extended_jet(a, b).p - x).norm() < 1e-9);
+                    let beside = (judged.surface().extended_jet(a, b).p - x).norm();
+                    out = [out[0].max(on_border(&x, polygon)), out[1].max(beside)];
                 }
             }
         }
+        out
+    }
+
+    #[test]
+    fn a_plane_is_told_by_lengths_whatever_its_parameters() {
+        let surface = uneven(0.0);
+        let judged = JudgedPanel::in_plane(&surface, &borders()).expect("a plane");
+        assert!(judged.off().value() < 1e-4, "{:?}", judged.off());
+        let [far, beside] = farthest(&surface, &judged);
+        assert!(far <= judged.off().value() && beside < 1e-9, "{far:e} {beside:e} {:?}", judged.off());
         assert!(judged.borders()[0].len() > 5, "slanted sides of an uneven plane are no straight lines");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        /// Whatever the net, and the plane be it bent by a little: borders are as near as is said.
+        #[test]
+        fn borders_are_within_what_is_said(
+            gaps in prop::array::uniform3(1.0..60.0f64),
+            weights in prop::collection::vec(0.7..1.4f64, 16),
+            bend in 0.0..1e-9f64,
+        ) {
+            let steps = [0.0, gaps[0], gaps[0] + gaps[1], gaps[0] + gaps[1] + gaps[2]];
+            let surface = net(steps, &weights, bend);
+            if let Some(judged) = JudgedPanel::in_plane(&surface, &borders()) {
+                let [far, beside] = farthest(&surface, &judged);
+                let off = judged.off().value();
+                prop_assert!(far <= off && beside <= off, "{far:e} {beside:e} {off:e}");
+            }
+        }
     }
 
     #[test]

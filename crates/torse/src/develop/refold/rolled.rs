@@ -129,7 +129,7 @@ fn ends(part: &FlatPart) -> Vec<Chord> {
     out
 }
 
-/// The nearest place of an outline; a corner if one is near.
+/// The nearest place of an outline; the joint that is meant, if one is.
 fn on_outline(part: &FlatPart, q: &Vec2, near: f64) -> Vec2 {
     let closer = |a: &Vec2, b: &Vec2| (a - q).norm().total_cmp(&(b - q).norm());
     let corner = part.joint_meant(q, near);
