@@ -8,7 +8,7 @@ use torse::geom::{Frame, Vec3};
 use torse::io::bundle;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::{Control, Model, Status, UnrollOptions};
+use torse::{Control, CurveOptions, Model, Status, UnrollOptions};
 
 /// Parts that are written.
 const PARTS: usize = 40;
@@ -79,5 +79,25 @@ fn faces_are_read_back_from_every_format_with_their_areas() {
             let same = *first.get_or_insert(read);
             assert!((read - same).abs() < SAME.0 * area, "part {k}, {name}: {read} {same}");
         }
+    }
+}
+
+/// A hull has fans and triangles that end in points. As its IGES file holds them they have sides that are points but for rounding,
+/// and are proven as closely as those of its STEP file.
+#[test]
+fn hulls_are_made_of_cones_from_every_format() {
+    let rail = |name: &str, bytes: &[u8]| torse::read_curve(bytes, &CurveOptions::new(name)).expect("a rail").0;
+    let square = rail("square", include_bytes!("../../../data/duct_square.dxf"));
+    let round = rail("round", include_bytes!("../../../data/duct_round.dxf"));
+    let mut hull = torse::hull(&[square, round], &torse::Hull::new(0.1), &Control::default()).expect("a hull");
+    (hull.cut.iges, hull.cut.threedm) = (true, true);
+    let files = bundle::geometry(&hull, &present(&hull), "2026-01-01T00:00:00").expect("files");
+    for name in ["panels.step", "panels.igs", "panels.3dm"] {
+        let (_, bytes) = files.iter().find(|f| f.0 == name).expect("a file");
+        let back = torse::read(bytes).expect("a model");
+        let options = torse::ConesOptions::new(0.5, "hull");
+        let cones = torse::cones(&back.faces, &back.skipped, &options, &Control::default()).expect("cones");
+        assert_eq!(cones.status(), Status::Certified, "{name}: {:?}", cones.claims());
+        assert_eq!(cones.cones().expect("chains").bodies.len(), hull.strips().count(), "{name}");
     }
 }

@@ -39,6 +39,11 @@ impl SurfaceDeviation {
         Self { estimate: self.estimate.max(o.estimate), bound: self.bound.max(o.bound) }
     }
 
+    /// Of a surface that is farther off by no more than `bound`.
+    pub fn plus(self, bound: f64) -> Self {
+        Self { estimate: self.estimate + bound, bound: self.bound + bound }
+    }
+
     /// In another unit.
     pub fn scaled(self, by: f64) -> Self {
         Self { estimate: self.estimate * by, bound: self.bound * by }

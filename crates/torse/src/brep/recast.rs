@@ -1,5 +1,5 @@
-//! Swept surfaces that are elementary ones: a line or a circle turned about an axis, a line moved along a direction. Their
-//! offsets are known exactly.
+//! Surfaces that are elementary ones: a line or a circle turned about an axis, a line moved along a direction, whose offsets are
+//! known exactly then, and plane splines with a pole.
 
 use super::space_curve::SpaceCurve;
 use super::support_surface::SupportSurface;
@@ -7,6 +7,9 @@ use crate::geom::{Frame, Vec3};
 
 /// Directions and places that differ by less than this share are the same: what thirteen printed digits lose.
 const SAME: f64 = 1e-12;
+/// Share of its extent by which a spline may leave the plane that it is read as: what nine printed digits lose. It counts in
+/// what is proven.
+const FLAT: f64 = 1e-9;
 /// Natural parameters at which the normals of both forms are compared.
 const PROBE: [f64; 2] = [0.3, 0.1];
 
@@ -38,6 +41,23 @@ pub(crate) fn elementary(support: &SupportSurface) -> Option<(SupportSurface, bo
     let other = out.jet(out.foot(&jet.p, None));
     let same = jet.du.cross(&jet.dv).dot(&other.du.cross(&other.dv)) > 0.0;
     Some((out, same))
+}
+
+/// The plane, with the spline's normal, that a spline with a pole lies in, and how far (mm) it is off at most: at a pole parameters
+/// are not unique, and rulings through it have no tangent plane. `None` for other surfaces.
+pub(crate) fn plane_with_pole(support: &SupportSurface) -> Option<(SupportSurface, f64)> {
+    let SupportSurface::Spline(spline) = support else { return None };
+    if !spline.has_poles() {
+        return None;
+    }
+    let surface = &spline.surface;
+    let ((u0, u1), (v0, v1)) = surface.domain();
+    let jet = surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+    let (x, z) = (jet.du.try_normalize(0.0)?, jet.normal().try_normalize(0.0)?);
+    // Weights are positive: the surface lies in the hull of its control points.
+    let heights = surface.control.iter().map(|h| (Vec3::new(h[0], h[1], h[2]) / h[3] - jet.p).dot(&z).abs());
+    let off = heights.fold(0.0, f64::max);
+    (off <= FLAT * surface.bbox().diagonal()).then(|| (SupportSurface::Plane(frame_of(jet.p, z, x)), off))
 }
 
 fn frame_of(origin: Vec3, z: Vec3, x: Vec3) -> Frame {

@@ -153,6 +153,11 @@ impl SplineSupport {
 }
 
 impl SplineSupport {
+    /// Whether a side is a single point.
+    pub(super) fn has_poles(&self) -> bool {
+        !self.poles.is_empty()
+    }
+
     /// The foot near a guess; steps that stop at a closed side go on from the opposite one.
     fn near(&self, x: &Vec3, guess: [f64; 2]) -> project::Foot {
         let mut best = project::refine(&self.surface, x, self.wrap(guess));

@@ -182,13 +182,21 @@ impl Judge<'_> {
         })
     }
 
-    /// Bound of the distance between a corner and the stretch of an edge between two places.
+    /// Bound of the distance between a corner and the stretch of an edge between two places. Control points are counted from
+    /// the corner, since hulls of points and weights apart are as wide as weights differ; that rounds by less than [`STORED`].
     fn missed(&self, elements: &[Element], [from, to]: [f64; 2], corner: [f64; 2]) -> f64 {
-        let at = self.face.surface.bounds((corner[0], corner[0]), (corner[1], corner[1]));
+        let (u, v) = (corner[0], corner[1]);
+        let (origin, at) = (self.face.surface.point(u, v), self.face.surface.bounds((u, u), (v, v)));
         let mut bound = 0.0_f64;
         for e in elements.iter().filter(|e| e.places[0] <= to && e.places[1] >= from) {
-            let h = e.curve.bounds(e.parameter(from), e.parameter(to));
-            let d = [0, 1, 2].map(|k: usize| h[k] / h[3] - at[k]);
+            let from_origin = |h: &[f64; 4]| {
+                let [x, y, z] = [0, 1, 2].map(|k: usize| h[k] - origin[k] * h[3]);
+                [x, y, z, h[3]]
+            };
+            let curve =
+                Curve { knots: e.curve.knots.clone(), control: e.curve.control.iter().map(from_origin).collect() };
+            let h = curve.bounds(e.parameter(from), e.parameter(to));
+            let d = [0, 1, 2].map(|k: usize| h[k] / h[3] - (at[k] - Interval::point(origin[k])));
             bound = bound.max(length_bound(&d));
         }
         bound

@@ -209,7 +209,9 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Sp
         let beyond = (-spot.t).max(spot.t - end).max(0.0);
         let rates = &ribbon.span(spot.t).0.in_plane;
         let near = beyond <= BEYOND || beyond * (rates.across + spot.v * rates.spin).abs() <= slack;
-        near.then_some((spot.t.clamp(0.0, end), spot.v, *q))
+        // By less beside a ruling the next piece would begin on its other side; what is drawn is judged where it is.
+        let t = Some(spot.t.round()).filter(|on| (spot.t - on).abs() <= SAME).unwrap_or(spot.t);
+        near.then_some((t.clamp(0.0, end), spot.v, *q))
     })
     .into_iter()
     .collect::<Option<_>>()?;
@@ -425,4 +427,34 @@ fn assessed_as(
         return Err(NotRefolded::Stopped);
     }
     Ok(distance(&Stretch { spans, places, lines: matched, panel: seat.judged, chords: part.chords }, control)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::torse::ribbon::pose::Rates;
+
+    /// Corners that lie beside a ruling by rounding alone are on it: every piece begins where the one before ends, on its span.
+    #[test]
+    fn pieces_follow_each_other_past_corners_that_hardly_miss_a_ruling() {
+        let rates = Rates { turn: 0.0, spin: 0.0, along: 0.0, across: 1.0 };
+        let first = Pose::flat(Vec2::zeros(), Vec2::x());
+        let span = |k: i32| {
+            let pose = first.moved(&rates, f64::from(k));
+            Span { flat: pose, space: pose, in_plane: rates, in_space: rates, reach: [0.0, 5.0] }
+        };
+        let ribbon = Ribbon { spans: (0..1800).map(span).collect() };
+        let place = |t: f64, v: f64| ribbon.flat(t).point(v, 0.0).xy();
+        let spacing = 1729.0 * f64::EPSILON;
+        for hair in (-4..=4).map(|k| f64::from(k) * 0.5 * spacing) {
+            let at = 1729.0 + hair;
+            let polygon = [place(1700.0, 0.0), place(at, 0.0), place(1750.0, 1.0), place(at, 4.0), place(1700.0, 5.0)];
+            let pieces = lifted(&ribbon, &polygon, None).expect("pieces");
+            for (p, q) in pieces.iter().zip(pieces.iter().cycle().skip(1)) {
+                let here = |p: &SpanChord, k: usize| (p.span as f64 + p.ends[k][0], p.ends[k][1]);
+                let same_span = p.span == q.span || [p.ends[1][0], q.ends[0][0]].iter().all(|s| *s == 0.0 || *s == 1.0);
+                assert!(here(p, 1) == here(q, 0) && same_span, "{hair:e}: {p:?} {q:?}");
+            }
+        }
+    }
 }

@@ -18,6 +18,7 @@ use self::polygon::Polygon;
 use super::face::{Face, FileBoundary, FileEdge, TrimLoop};
 use super::parameter_map::ParameterMap;
 use super::raw::{RawFace, RawLoop, RawRegion};
+use super::recast;
 use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
 use crate::geom::{BBox, Frame};
@@ -52,7 +53,21 @@ const SAME_AXIS: f64 = 1e-6;
 /// # Errors
 /// Loops that do not bound a region; see `TrimError`.
 pub(crate) fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, TrimError> {
-    faces_on(raw, chord_tolerance, sphere::turned)
+    let on_plane = on_plane(raw).and_then(|raw| faces_on(&raw, chord_tolerance, sphere::turned).ok());
+    on_plane.map_or_else(|| faces_on(raw, chord_tolerance, sphere::turned), Ok)
+}
+
+/// A face of a plane spline with a pole on that plane, where it has edges to be bounded by.
+fn on_plane(raw: &RawFace) -> Option<RawFace> {
+    let RawRegion::Loops(loops) = &raw.region else { return None };
+    let (support, off) = recast::plane_with_pole(&raw.support)?;
+    let mut loops: Vec<RawLoop> = loops.iter().cloned().flat_map(without_slits).collect();
+    // Traces belong to the spline, and so do edges that run around its pole.
+    loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
+    let size = extent(&loops);
+    loops.retain(|l| extent(std::slice::from_ref(l)) > FINEST_SHARE * size);
+    let surface_deviation = raw.surface_deviation.plus(off);
+    Some(RawFace { support, region: RawRegion::Loops(loops), surface_deviation, ..raw.clone() })
 }
 
 /// See [`faces`], with the frame in which spheres are parametrised.

@@ -279,3 +279,40 @@ fn fans_that_end_a_hair_before_their_tip_keep_their_sides() {
     assert_eq!(corners.len(), 4, "{corners:?}");
     assert!(corners.iter().flatten().all(|x| x.abs().min((x - 1.0).abs()) < 1e-6), "{corners:?}");
 }
+
+/// A triangle as a bilinear spline with a corner for a side, whose first edge is as long as rounding: it is read as a plane, with three
+/// corners.
+#[test]
+fn triangles_with_a_pole_are_read_on_their_plane() {
+    let (tip, rim) = (Vec3::new(-300.0, -200.0, 10.0), [Vec3::new(200.0, 40.0, 500.0), Vec3::new(75.0, -400.0, 470.0)]);
+    let knots = || crate::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let control = [tip, rim[0], tip, rim[1]];
+    let surface = Surface::new(knots(), knots(), &control, None).expect("a surface");
+    // An edge that is a point: control points of different weights, which rounding keeps apart.
+    let homogeneous = |p: Vec3, w: f64| [p.x * w, p.y * w, p.z * w, w];
+    let line = |p: Vec3, q: Vec3, weight: f64| {
+        let curve = Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![homogeneous(p, weight), homogeneous(q, 1.0)]);
+        Arc { curve: SpaceCurve::Spline(curve.expect("a line")), from: 0.0, to: 1.0 }
+    };
+    let beside = tip + Vec3::x() * 3e-14;
+    let way = [tip, beside, rim[1], rim[0]];
+    let edge = |k: usize| {
+        let (p, q) = (way[k], way[(k + 1) % 4]);
+        let path = vec![line(p, q, if k == 0 { 0.7 } else { 1.0 })];
+        RawEdge { entity: k as u64 + 1, forward: true, path, vertices: Some([p, q]), trace: None }
+    };
+    let region = || RawRegion::Loops(vec![RawLoop { edges: (0..4).map(edge).collect(), outer: true }]);
+    let made = faces(&raw(&spline(surface.clone()), region()), None).expect("a face");
+    let normal = |f: &Face| f.surface.jet(0.5, 0.5).normal().normalize() * if f.reversed { -1.0 } else { 1.0 };
+    let asked = surface.jet(0.5, 0.5).normal().normalize();
+    let area = 0.5 * (rim[0] - tip).cross(&(rim[1] - tip)).norm();
+    let face = &made[0];
+    assert_eq!((made.len(), face.loops[0].points.len()), (1, 3), "{face:?}");
+    assert!((area_estimate(face) - area).abs() < 1e-9 * area && (normal(face) - asked).norm() < 1e-12);
+    assert!(face.trim_deviation_estimate < 1e-9, "{face:?}");
+    // A fan that bends stays a spline.
+    let middle = 0.5 * (rim[0] + rim[1]) + asked * 1e-3;
+    let two = crate::spline::knots::Knots::clamped(2, &[0.0, 1.0]).expect("knots");
+    let fan = Surface::new(two, knots(), &[tip, rim[0], tip, middle, tip, rim[1]], None).expect("a surface");
+    assert!(crate::brep::recast::plane_with_pole(&spline(fan)).is_none());
+}
