@@ -24,8 +24,12 @@ pub fn between(curve: &SpaceCurve, start: &Vec3, end: &Vec3, closed: bool, along
             b = a + (b - a).rem_euclid(period);
             let coincide =
                 (start - end).norm() <= SAME_PARAMETER * (curve.point(a) - curve.point(a + 0.5 * period)).norm();
+            // A curve whose ends are a little apart, at its vertices, is nearer to these than no piece of it.
+            let whole = |(t0, t1): (f64, f64)| {
+                (curve.point(t0) - first).norm() + (curve.point(t1) - last).norm() < (first - last).norm()
+            };
             // Distinct vertices in one place on a closed curve bound all of it.
-            if b - a <= SAME_PARAMETER * period && coincide {
+            if b - a <= SAME_PARAMETER * period && (coincide || curve.domain().is_some_and(whole)) {
                 b = a + period;
             }
         }
@@ -74,5 +78,24 @@ mod tests {
         assert!((length(between(&c, &p, &p, true, false)) + TAU).abs() < 1e-12);
         let back = between(&c, &p, &q, false, false);
         assert!((back.ends().0 - p).norm() < 1e-12 && (back.ends().1 - q).norm() < 1e-12);
+    }
+
+    /// A circle of 85 mm radius whose ends are 2e-7 mm apart, as that of a pipe which is cut along a slit.
+    #[test]
+    fn a_curve_that_nearly_closes_is_run_from_end_to_end() {
+        let c = SpaceCurve::Ellipse { frame: Frame::world(), a: 85.0, b: 85.0 };
+        let (mut spline, _) = c.to_spline(0.0, TAU).expect("a spline");
+        let last = spline.control.last_mut().expect("control points");
+        last[1] -= 2e-7 * last[3];
+        let s = SpaceCurve::Spline(spline);
+        let (t0, t1) = s.domain().expect("a domain");
+        assert!(s.period().is_some());
+        let (p, q) = (s.point(t0), s.point(t1));
+        let length = |a: Arc| (a.to - a.from) / (t1 - t0);
+        assert!((length(between(&s, &p, &q, false, true)) - 1.0).abs() < 1e-8);
+        assert!((length(between(&s, &q, &p, false, false)) + 1.0).abs() < 1e-8);
+        // A piece as short as that is one.
+        let beside = s.point(t0 + 1e-9 * (t1 - t0));
+        assert!(length(between(&s, &p, &beside, false, true)).abs() < 1e-8);
     }
 }
