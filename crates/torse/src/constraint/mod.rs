@@ -19,3 +19,5 @@ pub mod stencil;
 
 #[cfg(test)]
 mod derivative_check;
+#[cfg(test)]
+mod laws;

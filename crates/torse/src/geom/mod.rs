@@ -6,6 +6,8 @@ pub(crate) mod box_tree;
 pub mod cloud;
 pub mod coarse;
 pub(crate) mod convex_hull;
+#[cfg(test)]
+pub(crate) mod generated;
 pub(crate) mod inside;
 pub mod measure;
 pub mod mesh;

@@ -21,3 +21,6 @@ pub(crate) mod roots;
 pub(crate) mod runs;
 pub(crate) mod series;
 pub(crate) mod taylor_model;
+
+#[cfg(test)]
+mod laws;
