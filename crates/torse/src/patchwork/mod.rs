@@ -3,6 +3,8 @@
 
 pub(crate) mod clip;
 pub(crate) mod foot_map;
+#[cfg(test)]
+pub(crate) mod generated;
 pub mod image;
 pub(crate) mod joint;
 pub(crate) mod outside;
@@ -17,3 +19,6 @@ pub(crate) mod skins;
 pub(crate) mod smooth_seams;
 pub mod triangulate;
 pub mod written;
+
+#[cfg(test)]
+mod laws;

@@ -4,3 +4,6 @@ pub(crate) mod coverage;
 pub mod diagnostics;
 pub mod panel;
 pub mod strip;
+
+#[cfg(test)]
+mod laws;
