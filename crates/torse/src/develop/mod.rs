@@ -53,3 +53,6 @@ pub enum DevelopError {
     #[error("panel {0} does not exist or has no boundary")]
     Missing(usize),
 }
+
+#[cfg(test)]
+mod laws;

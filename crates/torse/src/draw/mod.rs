@@ -17,3 +17,6 @@ pub mod reflection;
 pub mod scene;
 pub mod sequence;
 pub mod stroke_font;
+
+#[cfg(test)]
+mod laws;
