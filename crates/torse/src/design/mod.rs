@@ -7,3 +7,6 @@ pub mod discrete;
 pub mod hull;
 pub mod interpolate;
 pub mod loft;
+
+#[cfg(test)]
+mod laws;

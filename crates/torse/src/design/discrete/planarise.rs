@@ -63,7 +63,7 @@ pub struct Planarised {
     pub steps: usize,
     /// Largest warp before.
     pub warp_before: f64,
-    /// Largest warp after.
+    /// Largest warp after, of the strip as it is returned.
     pub warp: f64,
     /// Largest displacement of a point, mm.
     pub largest_move: f64,
@@ -121,8 +121,9 @@ const ROUNDING: f64 = 8.0;
 /// factorisation serves all corrections of the multipliers; it is halved until the gaps decrease. Departure from the
 /// usual guided projection: no weights of closeness that decay, since the least displacement needs none.
 ///
-/// *Guarantee.* The status tells whether all warps are at most `options.warp`, evaluated on the returned points;
-/// held points are returned unchanged. *Not guaranteed*: that the strip is the nearest plane one (it is, up to second
+/// *Guarantee.* The status tells whether all warps are at most `options.warp`, evaluated about the mean of the points;
+/// `warp` is that of the returned points, which are rounded where they lie. Held points are returned unchanged, bit by bit.
+/// *Not guaranteed*: that the strip is the nearest plane one (it is, up to second
 /// order in the displacement), or that rulings do not cross ([`QuadStrip::crossing`]).
 ///
 /// *Cost.* O(n) per step; 5 to 25 steps.
@@ -167,14 +168,9 @@ pub fn planarise(
         }
         state = next;
     }
-    Ok(Planarised {
-        warp: state.largest_warp(),
-        largest_move: state.largest_move(&start),
-        strip: state.strip()?,
-        status,
-        steps,
-        warp_before,
-    })
+    let made = state.strip(strip, &start)?;
+    let (warp, largest_move) = (made.largest_warp(), state.largest_move(&start));
+    Ok(Planarised { strip: made, status, steps, warp_before, warp, largest_move })
 }
 
 /// Points in the order a₀, b₀, a₁, b₁, … about their mean, in units of the size of the strip.
@@ -193,9 +189,21 @@ impl State {
         Self { points: all().map(|p| (p - centre) / size).collect(), centre, size }
     }
 
-    fn strip(&self) -> Result<QuadStrip, QuadStripError> {
-        let side = |k: usize| self.points.iter().skip(k).step_by(2).map(|p| p * self.size + self.centre).collect();
-        QuadStrip::new(side(0), side(1))
+    /// The strip where it lies. Points that have not moved from the `start` are those of the `given` strip, bit by bit: on the way
+    /// there and back they would be rounded.
+    fn strip(&self, given: &QuadStrip, start: &Self) -> Result<QuadStrip, QuadStripError> {
+        let side = |k: usize, given: &[Vec3]| {
+            let placed = |(i, own): (usize, &Vec3)| {
+                let p = self.points[2 * i + k];
+                if p == start.points[2 * i + k] {
+                    *own
+                } else {
+                    p * self.size + self.centre
+                }
+            };
+            given.iter().enumerate().map(placed).collect()
+        };
+        QuadStrip::new(side(0, given.a()), side(1, given.b()))
     }
 
     fn quads(&self) -> usize {
