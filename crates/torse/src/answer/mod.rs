@@ -406,3 +406,6 @@ impl Answer {
         }
     }
 }
+
+#[cfg(test)]
+mod laws;

@@ -20,3 +20,6 @@ pub(crate) mod smooth;
 pub(crate) mod stitch;
 pub mod strips;
 pub mod trims;
+
+#[cfg(test)]
+mod laws;

@@ -571,6 +571,7 @@ impl Rise {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn relaid(levels: &[f64], shares: &[f64], count: usize) -> Vec<f64> {
         let mut rise = Rise::guessed(levels[0], levels[levels.len() - 1], &[1.0]);
@@ -631,5 +632,57 @@ mod tests {
         rise.include(&[0.0, 0.5, 1.0], &[0.81, 1.21]);
         let l = rise.levels(2);
         assert!((l[1] - 0.5).abs() < 1e-12, "{l:?}");
+    }
+
+    /// Bands side by side from 0 on: widths, and shares.
+    fn laid_bands() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+        proptest::collection::vec((-2.0..0.0f64, LEAST_SHARE..MOST_SHARE), 2..30).prop_map(|bands| {
+            let mut levels = vec![0.0];
+            bands.iter().for_each(|b| levels.push(levels[levels.len() - 1] + 10f64.powf(b.0)));
+            (levels, bands.iter().map(|b| b.1).collect())
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+        #[test]
+        fn levels_part_the_rise_evenly_and_in_order((levels, shares) in laid_bands(), count in 1usize..60) {
+            let mut rise = Rise::guessed(levels[0], levels[levels.len() - 1], &[1.0]);
+            rise.include(&levels, &shares);
+            let whole: f64 = shares.iter().map(|s| s.sqrt()).sum();
+            prop_assert!((rise.whole() - whole).abs() < 1e-9 * whole);
+            prop_assert!(rise.needed() as f64 >= whole && (rise.needed() as f64) < 1.0 + whole / AIM.sqrt());
+            let found = rise.levels(count);
+            prop_assert!(found.len() == count + 1 && found[0] == levels[0] && found[count] == levels[levels.len() - 1]);
+            prop_assert!(found.windows(2).all(|w| w[0] < w[1]), "{found:?}");
+            // By the square law every band has its part of the rise, up to a cell at either end.
+            let cell = rise.cells.iter().copied().fold(0.0, f64::max);
+            let part = |a: f64, b: f64| -> f64 {
+                let bands = levels.windows(2).zip(&shares);
+                bands.map(|(w, s)| s.sqrt() * ((b.min(w[1]) - a.max(w[0])).max(0.0) / (w[1] - w[0]))).sum()
+            };
+            for w in found.windows(2) {
+                let own = part(w[0], w[1]);
+                prop_assert!((own - whole / count as f64).abs() <= 2.0 * cell + 1e-9, "{own} of {whole} in {count}");
+            }
+            // What is measured again says nothing new.
+            let before = rise.cells.clone();
+            rise.include(&levels, &shares);
+            prop_assert!(rise.cells.iter().zip(before).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+
+        #[test]
+        fn repaired_bands_are_within_what_is_allowed((levels, shares) in laid_bands(), scale in 0.3..0.5f64) {
+            let shares: Vec<f64> = shares.iter().map(|s| s * scale).collect();
+            let Some(found) = repaired(&levels, &shares) else { return Ok(()) };
+            prop_assert!(found.len() == levels.len() && found[0] == levels[0]);
+            prop_assert!((found[levels.len() - 1] - levels[levels.len() - 1]).abs() < 1e-12);
+            for (k, (w, v)) in found.windows(2).zip(levels.windows(2)).enumerate() {
+                let share = shares[k] * ((w[1] - w[0]) / (v[1] - v[0])).powi(2);
+                prop_assert!(w[0] < w[1] && share < 1.0, "{share} in {k}");
+                // Bands that were good neither give nor grow beyond what they take.
+                prop_assert!(shares[k] > 1.0 || (share >= shares[k] - 1e-9 && share <= shares[k].max(TAKES) + 1e-9));
+            }
+        }
     }
 }
