@@ -26,3 +26,6 @@ pub mod support_surface;
 pub(crate) mod swept;
 pub mod trim;
 pub(crate) mod unroll;
+
+#[cfg(test)]
+mod laws;

@@ -20,3 +20,6 @@ pub mod shape;
 pub mod sweep;
 pub mod unroll;
 pub mod workshop;
+
+#[cfg(test)]
+mod laws;
