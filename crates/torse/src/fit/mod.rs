@@ -8,3 +8,6 @@ pub mod panels;
 pub mod planes;
 pub mod ruled;
 pub mod strip_potential;
+
+#[cfg(test)]
+mod laws;

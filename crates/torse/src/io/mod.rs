@@ -36,3 +36,6 @@ pub mod sweep;
 mod table;
 pub mod threedm;
 pub mod words;
+
+#[cfg(test)]
+mod laws;
