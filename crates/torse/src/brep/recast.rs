@@ -1,5 +1,5 @@
 //! Surfaces that are elementary ones: a line or a circle turned about an axis, a line moved along a direction, whose offsets are
-//! known exactly then, and plane splines with a pole.
+//! known exactly then, and splines that are triangles.
 
 use super::space_curve::SpaceCurve;
 use super::support_surface::SupportSurface;
@@ -7,9 +7,11 @@ use crate::geom::{Frame, Vec3};
 
 /// Directions and places that differ by less than this share are the same: what thirteen printed digits lose.
 const SAME: f64 = 1e-12;
-/// Share of its extent by which a spline may leave the plane that it is read as: what nine printed digits lose. It counts in
+/// Share of its extent by which a triangle may leave the plane that it is read as: what nine printed digits lose. It counts in
 /// what is proven.
 const FLAT: f64 = 1e-9;
+/// Control points of a bilinear spline.
+const CORNERS: usize = 4;
 /// Natural parameters at which the normals of both forms are compared.
 const PROBE: [f64; 2] = [0.3, 0.1];
 
@@ -43,14 +45,15 @@ pub(crate) fn elementary(support: &SupportSurface) -> Option<(SupportSurface, bo
     Some((out, same))
 }
 
-/// The plane, with the spline's normal, that a spline with a pole lies in, and how far (mm) it is off at most: at a pole parameters
-/// are not unique, and rulings through it have no tangent plane. `None` for other surfaces.
-pub(crate) fn plane_with_pole(support: &SupportSurface) -> Option<(SupportSurface, f64)> {
+/// The plane, with the spline's normal, of a triangle: of a bilinear spline, weights or none, with a corner for a side; and how far
+/// (mm) it is off at most. At that corner parameters are not unique, and rulings through it have no tangent plane. Such a spline
+/// covers its triangle once; others may fold, and stay what they are.
+pub(crate) fn plane_of_triangle(support: &SupportSurface) -> Option<(SupportSurface, f64)> {
     let SupportSurface::Spline(spline) = support else { return None };
-    if !spline.has_poles() {
+    let surface = &spline.surface;
+    if !spline.has_poles() || surface.control.len() != CORNERS {
         return None;
     }
-    let surface = &spline.surface;
     let ((u0, u1), (v0, v1)) = surface.domain();
     let jet = surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
     let (x, z) = (jet.du.try_normalize(0.0)?, jet.normal().try_normalize(0.0)?);

@@ -57,12 +57,12 @@ pub(crate) fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<F
     on_plane.map_or_else(|| faces_on(raw, chord_tolerance, sphere::turned), Ok)
 }
 
-/// A face of a plane spline with a pole on that plane, where it has edges to be bounded by.
+/// A face of a spline that is a triangle on its plane, where it has edges to be bounded by.
 fn on_plane(raw: &RawFace) -> Option<RawFace> {
     let RawRegion::Loops(loops) = &raw.region else { return None };
-    let (support, off) = recast::plane_with_pole(&raw.support)?;
+    let (support, off) = recast::plane_of_triangle(&raw.support)?;
     let mut loops: Vec<RawLoop> = loops.iter().cloned().flat_map(without_slits).collect();
-    // Traces belong to the spline, and so do edges that run around its pole.
+    // Traces belong to the spline, and so do edges in its corner.
     loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
     let size = extent(&loops);
     loops.retain(|l| extent(std::slice::from_ref(l)) > FINEST_SHARE * size);

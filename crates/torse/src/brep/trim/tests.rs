@@ -314,5 +314,5 @@ fn triangles_with_a_pole_are_read_on_their_plane() {
     let middle = 0.5 * (rim[0] + rim[1]) + asked * 1e-3;
     let two = crate::spline::knots::Knots::clamped(2, &[0.0, 1.0]).expect("knots");
     let fan = Surface::new(two, knots(), &[tip, rim[0], tip, middle, tip, rim[1]], None).expect("a surface");
-    assert!(crate::brep::recast::plane_with_pole(&spline(fan)).is_none());
+    assert!(crate::brep::recast::plane_of_triangle(&spline(fan)).is_none());
 }
