@@ -5,6 +5,9 @@ use crate::geom::Vec3;
 
 /// Parameters within this share of a period or domain are one.
 const SAME_PARAMETER: f64 = 1e-9;
+/// Share of the distance of two vertices within which both are at the ends of a curve: beside its seam a piece that is shorter
+/// than [`SAME_PARAMETER`] misses the far end by all of that distance.
+const AT_ENDS: f64 = 0.5;
 
 /// The piece of `curve` from `start` to `end`, which lie on it (nearly): with the curve's direction if `along`,
 /// else against it. `closed` says that both are one vertex: the piece is the whole closed curve.
@@ -24,9 +27,9 @@ pub fn between(curve: &SpaceCurve, start: &Vec3, end: &Vec3, closed: bool, along
             b = a + (b - a).rem_euclid(period);
             let coincide =
                 (start - end).norm() <= SAME_PARAMETER * (curve.point(a) - curve.point(a + 0.5 * period)).norm();
-            // A curve whose ends are a little apart, at its vertices, is nearer to these than no piece of it.
+            // A curve whose ends are a little apart, each at its vertex, is meant as a whole.
             let whole = |(t0, t1): (f64, f64)| {
-                (curve.point(t0) - first).norm() + (curve.point(t1) - last).norm() < (first - last).norm()
+                (curve.point(t0) - first).norm() + (curve.point(t1) - last).norm() < AT_ENDS * (first - last).norm()
             };
             // Distinct vertices in one place on a closed curve bound all of it.
             if b - a <= SAME_PARAMETER * period && (coincide || curve.domain().is_some_and(whole)) {
