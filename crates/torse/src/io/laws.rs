@@ -3,13 +3,14 @@
 use super::artwork::{self, is_as_written, Artwork, PointRow};
 use super::json::Report;
 use super::words::numbers::{number_bound, number_least};
-use super::{cad, cloud, drawings, dxf, quads, step, svg, threedm};
+use super::{cad, cloud, drawings, dxf, iges, quads, step, svg, threedm};
 use crate::certify::written;
 use crate::draw::drawing::{drawing, DrawingOptions};
 use crate::geom::generated::{flat_vector, powers_of_ten, vector};
 use crate::geom::unit::LengthUnit;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::generated::{free_cone, round_cone};
+use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkLine, MarkPlace, Pattern, Placement};
 use proptest::prelude::*;
 
@@ -183,7 +184,8 @@ proptest! {
             let shell = step::write::Shell::of_strip(&strip);
             let as_step = step::write::shells(&header(), std::slice::from_ref(&shell)).expect("a file");
             let as_rhino = threedm::write::shells(&header(), &[shell]).expect("a file");
-            for bytes in [as_step, as_rhino] {
+            let as_iges = iges::write::panels(&header(), &Patchwork::of_strips(vec![strip.clone()]), &[false]);
+            for bytes in [as_step, as_rhino, as_iges] {
                 let model = cad::read(&bytes).expect("a model");
                 prop_assert!(model.faces.len() == 1 && model.skipped.is_empty(), "{:?}", model.skipped);
                 let face = &model.faces[0];
