@@ -183,7 +183,7 @@ impl Judge<'_> {
     }
 
     /// Bound of the distance between a corner and the stretch of an edge between two places. Control points are counted from
-    /// the corner, since hulls of points and weights apart are as wide as weights differ; that rounds by less than [`STORED`].
+    /// the corner, since hulls of points and weights apart are as wide as weights differ; what that rounds counts.
     fn missed(&self, elements: &[Element], [from, to]: [f64; 2], corner: [f64; 2]) -> f64 {
         let (u, v) = (corner[0], corner[1]);
         let (origin, at) = (self.face.surface.point(u, v), self.face.surface.bounds((u, u), (v, v)));
@@ -197,7 +197,10 @@ impl Judge<'_> {
                 Curve { knots: e.curve.knots.clone(), control: e.curve.control.iter().map(from_origin).collect() };
             let h = curve.bounds(e.parameter(from), e.parameter(to));
             let d = [0, 1, 2].map(|k: usize| h[k] / h[3] - (at[k] - Interval::point(origin[k])));
-            bound = bound.max(length_bound(&d));
+            // A product and a difference, each by half a unit in the last place; twice for three coordinates.
+            let size = |h: &[f64; 4]| (0..3).map(|k| h[k].abs() + (origin[k] * h[3]).abs()).fold(0.0, f64::max);
+            let rounded = e.curve.control.iter().map(size).fold(0.0, f64::max) * (2.0 * f64::EPSILON);
+            bound = bound.max((length_bound(&d) + rounded / h[3].lo).next_up());
         }
         bound
     }
