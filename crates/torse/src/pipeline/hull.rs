@@ -12,20 +12,16 @@ use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound};
 use crate::control::Control;
 use crate::design::hull::needless::needless;
-use crate::design::hull::sparse::sparse;
-use crate::design::hull::strips::{strips, HullPart};
-use crate::design::hull::{hull as rulings_of_hull, Hull, HullError};
-use crate::design::loft::build::BuildOptions;
+use crate::design::hull::HullError;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::{is_tolerance, Loose};
-use crate::num::parallel;
 use crate::patchwork::panel::Patchwork;
 use crate::reason::{JobReason, StripReason};
 use crate::search::strips::assessment::TWIST_TOLERANCE;
 use crate::search::strips::cut::laid_until;
-use crate::search::strips::hull_kept::{kept, Kept};
-use crate::search::strips::hull_whole::apart;
+use crate::search::strips::hull_followed::{judged, Asked, Judged};
+use crate::search::strips::hull_kept::Kept;
 use crate::torse::rail::Rail;
 use std::time::Instant;
 
@@ -63,20 +59,11 @@ impl Options {
     }
 }
 
-/// Share of the tolerance for fitted rails.
-const RAIL_SHARE: f64 = 0.1;
-/// Share of the tolerance by which splines with few knots may stray from curves with many.
-const FOLLOW_SHARE: f64 = 0.1;
-/// Share of the tolerance by which a curve may lie off the last ruling before a tip: shorter rulings say nothing more of
-/// the shape, and less can be proven of them.
-const TIP_SHARE: f64 = 0.1;
 /// Strips of one span each that are written within a second; more are not written once the job was asked to stop.
 const SOON: usize = 2000;
 /// Share of the tolerance by which a curve that is left out, since it lies on the hull of its neighbours, may come out of that
 /// hull of samples, and by which these may miss it.
 const NEEDLESS_SHARE: f64 = 0.05;
-/// Twist asked of fits, as a share of what counts as developable.
-const TWIST_SHARE: f64 = 0.1;
 
 /// The developables on the boundary of the convex hull of curves, judged and developed. Planar pieces bounded by a
 /// single planar curve are left open, and named.
@@ -124,26 +111,9 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
 /// The same of curves of which none lies on the hull of others.
 fn of_needed(curves: &[Rail], options: &Options, control: &Control) -> Result<Answer, HullError> {
     let tolerance = options.tolerance;
-    control.report("looking for rulings", 0.1, "");
-    // Curves through very many points by their likes with few knots; judged are the given ones.
-    let followed: Vec<Rail> = parallel::map(curves.iter(), |c| sparse(c, FOLLOW_SHARE * tolerance, control));
-    let found = rulings_of_hull(&followed, options.samples, control)?;
-    control.report("fitting", 0.4, "");
-    let mut build = BuildOptions::new(RAIL_SHARE * tolerance);
-    build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
-    let mut made = strips(&followed, &found, TIP_SHARE * tolerance, &build, control)?;
-    let apart = if control.stopped() { None } else { apart(&found, &made, tolerance) };
-    let changed: Vec<bool> = curves.iter().zip(&followed).map(|(c, f)| c != f).collect();
-    for s in made.iter_mut().flat_map(|p| &mut p.strips) {
-        for d in (0..2).filter(|d| changed[s.rails[*d]]) {
-            // No longer the curve itself: a degree above the first says so.
-            let part = &mut s.built.rails[d].parameter;
-            *part = part.elevated()?;
-        }
-    }
-    control.report("judging", 0.7, "");
-    let mut notes = notes(curves, &found, &made);
-    let mut kept = kept(curves, made, (options.tolerance, options.twist_tolerance), control);
+    let asked = Asked { samples: options.samples, tolerance, twist: options.twist_tolerance };
+    let Judged { lids, used, mut kept, apart } = judged(curves, &asked, control)?;
+    let mut notes = notes(curves, &lids, &used);
     if !kept.tips.is_empty() {
         let within = UpperBound::largest(kept.tips.iter().copied()).value();
         notes.push(Note::Tips { count: kept.tips.len(), within });
@@ -188,15 +158,10 @@ fn is_too_long(kept: &Kept, control: &Control) -> bool {
     control.stopped() && kept.strips.len() + spans / 10 > SOON
 }
 
-/// What people should know of the search.
-fn notes(curves: &[Rail], found: &Hull, made: &[HullPart]) -> Vec<Note> {
-    let mut notes: Vec<Note> = Vec::new();
-    for &(r, whole) in &found.lids {
-        notes.push(Note::Lid { curve: curves[r].name.clone(), whole });
-    }
-    let used = |r: usize| made.iter().flat_map(|p| &p.strips).any(|s| s.rails.contains(&r));
-    for (_, c) in curves.iter().enumerate().filter(|(r, _)| !used(*r)) {
-        notes.push(Note::Inside { curve: c.name.clone() });
-    }
-    notes
+/// What people should know of the search: curves with planar pieces, and those that no strip lies along.
+fn notes(curves: &[Rail], lids: &[(usize, bool)], used: &[bool]) -> Vec<Note> {
+    let lid = |&(r, whole): &(usize, bool)| Note::Lid { curve: curves[r].name.clone(), whole };
+    let inside =
+        curves.iter().zip(used).filter(|(_, used)| !**used).map(|(c, _)| Note::Inside { curve: c.name.clone() });
+    lids.iter().map(lid).chain(inside).collect()
 }

@@ -264,9 +264,10 @@ fn between(sampled: &Sampled, e: [usize; 2], moved_last: usize) -> [f64; 2] {
     let t = tangents(&rails[p.rail], p.parameter)[1];
     let h = sampled.reach(e[1 - kept]);
     let q = if p.rail == q.rail {
-        // Without the factor that vanishes on the diagonal.
+        // Without the factor that vanishes on the diagonal; lengths are counted in that of the ruling.
+        let long = (q.point - p.point).norm();
         moved(rails, q, h, &|x, d| {
-            let l = (x - p.point).norm();
+            let l = (x - p.point).norm() / long;
             if l > 0.0 {
                 coplanarity(&p.point, &t, x, d) / (l * l * l)
             } else {
@@ -419,6 +420,10 @@ pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64)
     let point = |s: f64| rail.point(wrap(rail, s));
     let length = |s: &[f64; 2]| (point(s[1]) - point(s[0])).norm();
     let size = rail.bbox().diagonal();
+    if let Some(rest) = fan_at_end(&stations) {
+        nearer(rail, &mut stations, rest, height);
+        return stations;
+    }
     while stations.len() > KNOWN && length(&stations[stations.len() - 1]) < SHORT * size {
         stations.pop();
     }
@@ -447,6 +452,29 @@ pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64)
         known.push([half, middle]);
     }
     stations
+}
+
+/// The side whose end rests between the last two stations, if one does.
+fn fan_at_end(stations: &[[f64; 2]]) -> Option<usize> {
+    let [.., a, b] = stations else { return None };
+    (0..2).find(|&d| (a[d] - b[d]).abs() <= STILL)
+}
+
+/// Halves the last ruling of a fan about a place of its own curve until the arc between its ends is within `height` (mm) of it.
+fn nearer(rail: &Rail, stations: &mut [[f64; 2]], rest: usize, height: f64) {
+    const HALVINGS: usize = 60;
+    let n = rail.pieces.len() as f64;
+    let Some(last) = stations.last_mut() else { return };
+    let long = last[1 - rest] - last[rest];
+    let turns = if rail.closed { (long / n).round() * n } else { 0.0 };
+    let (corner, mut off) = (last[rest] + turns, long - turns);
+    for _ in 0..HALVINGS {
+        if arc_height(rail, corner, corner + off) <= height {
+            break;
+        }
+        off *= 0.5;
+    }
+    last[1 - rest] = corner + off;
 }
 
 /// Distance (mm) of the curve between two parameters, which may lie beyond the domain of a closed curve, from the line

@@ -251,9 +251,13 @@ mod tests {
     }
 
     fn made(rails: &[Rail]) -> Vec<HullPart> {
+        of_size(rails, 1.0)
+    }
+
+    fn of_size(rails: &[Rail], size: f64) -> Vec<HullPart> {
         let control = Control::default();
         let h = hull(rails, 96, &control).expect("hull");
-        strips(rails, &h, 1e-6, &BuildOptions::new(1e-6), &control).expect("strips")
+        strips(rails, &h, 1e-6 * size, &BuildOptions::new(1e-6 * size), &control).expect("strips")
     }
 
     #[test]
@@ -327,8 +331,8 @@ mod tests {
         assert!((found - 75_679.80).abs() < 0.02, "{found}");
     }
 
-    /// `(cos t, sin t, ½ cos 2t)`: quartic in homogeneous coordinates.
-    fn saddle_loop() -> Rail {
+    /// `(cos t, sin t, ½ cos 2t)` times the size: quartic in homogeneous coordinates.
+    fn saddle_loop(size: f64) -> Rail {
         let (c, _) = SpaceCurve::Ellipse { frame: Frame::world(), a: 1.0, b: 1.0 }.to_spline(0.0, TAU).expect("spline");
         let quartics: Vec<Curve<4>> = bezier_pieces(&c)
             .into_iter()
@@ -338,9 +342,8 @@ mod tests {
                 // ½ cos 2t = ½ (x² − y²).
                 let z = x.times(&x).minus(&y.times(&y));
                 let (xw, yw, ww) = (x.times(&w), y.times(&w), w.times(&w));
-                let control = (0..5)
-                    .map(|k| [xw.control()[k][0], yw.control()[k][0], 0.5 * z.control()[k][0], ww.control()[k][0]])
-                    .collect();
+                let c = |p: &Bezier<1>, k: usize| size * p.control()[k][0];
+                let control = (0..5).map(|k| [c(&xw, k), c(&yw, k), 0.5 * c(&z, k), ww.control()[k][0]]).collect();
                 let mut knots = vec![0.0; 5];
                 knots.extend([1.0; 5]);
                 Curve::new(4, knots, control).expect("quartic")
@@ -350,17 +353,31 @@ mod tests {
     }
 
     #[test]
-    fn the_hull_of_a_saddle_loop_is_two_cylinders() {
-        let parts = made(&[saddle_loop()]);
-        assert_eq!(parts.len(), 2);
-        for p in &parts {
-            assert_eq!((p.tips.iter().flatten().count(), p.closed), (2, false));
-            let area: f64 = p.strips.iter().map(|s| s.built.strip.area_estimate()).sum();
-            // Strips towards tips are too small to tell.
-            let large = |s: &&HullStrip| s.built.strip.area_estimate() > 1e-3 * area;
-            assert!(p.strips.iter().filter(large).all(|s| s.built.strip.kind == PanelKind::Cylinder));
-            // Tips of a millionth are left off.
-            assert!((area - 4.317_605_098_244_249).abs() < 1e-6, "{area}");
+    fn the_hull_of_a_saddle_loop_is_two_cylinders_of_any_size() {
+        for size in [1.0, 1e-3, 5000.0] {
+            let parts = of_size(&[saddle_loop(size)], size);
+            assert_eq!(parts.len(), 2);
+            for p in &parts {
+                assert_eq!((p.tips.iter().flatten().count(), p.closed), (2, false));
+                let area: f64 = p.strips.iter().map(|s| s.built.strip.area_estimate()).sum::<f64>() / size.powi(2);
+                // Strips towards tips are too small to tell.
+                let large = |s: &&HullStrip| s.built.strip.area_estimate() > 1e-3 * area * size.powi(2);
+                assert!(p.strips.iter().filter(large).all(|s| s.built.strip.kind == PanelKind::Cylinder), "{size}");
+                // Tips of a millionth are left off.
+                assert!((area - 4.317_605_098_244_249).abs() < 1e-6, "{size}: {area}");
+            }
         }
+    }
+
+    /// A fan about the end of an arc goes on towards it until what is left of the arc is as near to a ruling as asked for.
+    #[test]
+    fn fans_about_an_end_of_their_own_curve_come_near_it() {
+        let bend = |t: f64| [t, t * t, t * t * t];
+        let points: Vec<Vec3> = (0..=40).map(|k| Vec3::from(bend(f64::from(k) / 40.0))).collect();
+        let parts = made(&[Rail::through("cubic", &points).expect("a rail")]);
+        let tips: Vec<[f64; 2]> = parts.iter().flat_map(|p| p.tips).flatten().map(|t| t.arc).collect();
+        assert_eq!((parts.len(), tips.len()), (1, 2));
+        // Of an arc as long as this, a third of 96 samples, the height is the eighth of the square.
+        assert!(tips.iter().all(|[a, b]| (b - a).powi(2) < 4e-5), "{tips:?}");
     }
 }

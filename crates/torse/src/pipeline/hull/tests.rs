@@ -5,10 +5,14 @@ use crate::answer::marks::Marks;
 use crate::brep::space_curve::SpaceCurve;
 use crate::certify::claim::What;
 use crate::certify::claim::{Evidence, Status};
+use crate::design::hull::hull as rulings_of_hull;
+use crate::design::hull::strips::strips;
+use crate::design::loft::build::BuildOptions;
 use crate::geom::{Frame, Vec3};
 use crate::io::curves::CurveOptions;
 use crate::io::words;
 use crate::reason::JobReason;
+use crate::search::strips::hull_whole::apart;
 use crate::torse::strip::Strip;
 use std::f64::consts::TAU;
 
@@ -155,16 +159,32 @@ fn smooth_loops_through_points_are_certified_with_their_tips() {
     }
 }
 
-#[test]
-fn strips_beside_those_that_are_not_written_are_good_to_cut() {
+/// Two edges of a hull 10 m long, tables of 25 points.
+fn chines() -> [Rail; 2] {
     let curve = |name: &str, table: &[u8]| {
         let options = CurveOptions { unit: Some(1.0), ..CurveOptions::new(name) };
         crate::io::curves::read(table, &options).expect("a curve").0
     };
     let low = curve("low", include_bytes!("../../../../../data/chine_low.csv"));
-    let high = curve("high", include_bytes!("../../../../../data/chine_high.csv"));
-    let answer = hull(&[low, high], &Options::new(0.1), &Control::default()).expect("an answer");
-    assert!(answer.status() == Status::Uncertified && !answer.skipped.is_empty());
+    [low, curve("high", include_bytes!("../../../../../data/chine_high.csv"))]
+}
+
+/// Rulings between places of one curve are of any length, and where it is nearly plane they hang on little.
+#[test]
+fn long_curves_are_certified_at_every_tolerance() {
+    for tolerance in [0.005, 0.5, 10.0] {
+        let answer = hull(&chines(), &Options::new(tolerance), &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{tolerance}: {:?}", answer.claims);
+        assert!(answer.skipped.is_empty());
+    }
+}
+
+#[test]
+fn strips_beside_those_that_are_not_written_are_good_to_cut() {
+    let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
+    let mut answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
+    answer.claims.push(Claim::left_out(StripReason::NotWritten(1)));
+    assert_eq!(answer.status(), Status::Uncertified);
     assert!(!answer.patterns.is_empty() && !Marks::of(&answer).any(), "{:?}", answer.claims);
 }
 

@@ -235,3 +235,41 @@ fn part_name(k: usize) -> String {
         _ => format!("P{}", k + 1),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::space_curve::SpaceCurve;
+    use crate::certify::claim::Status;
+    use crate::design::hull::hull;
+    use crate::design::hull::strips::strips;
+    use crate::design::loft::build::BuildOptions;
+    use crate::geom::{Frame, Vec3};
+    use std::f64::consts::TAU;
+
+    /// A strip whose second rail runs backwards has no tangent planes: its neighbours are kept, it is not.
+    #[test]
+    fn strips_without_a_proof_are_left_out_and_named() {
+        let circle = |r: f64, z: f64| {
+            let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+            let arc =
+                |k: f64| SpaceCurve::Ellipse { frame, a: r, b: r }.to_spline(k * TAU / 4.0, (k + 1.0) * TAU / 4.0);
+            Rail::new("circle", &[0.0, 1.0, 2.0, 3.0].map(|k| arc(k).expect("an arc").0)).expect("a rail")
+        };
+        let curves = [circle(300.0, 0.0), circle(200.0, 400.0)];
+        let control = Control::default();
+        let found = hull(&curves, 96, &control).expect("a hull");
+        let mut made = strips(&curves, &found, 0.01, &BuildOptions::new(0.01), &control).expect("strips");
+        let before = kept(&curves, made.clone(), (0.1, 1e-5), &control);
+        assert_eq!((made.len(), before.skipped.len(), before.parts.len(), before.strips.len()), (1, 0, 1, 4));
+        let strip = &mut made[0].strips[1].built.strip;
+        let turned = strip.rail(1).reversed();
+        *strip = Strip::between(&strip.name, strip.kind, &strip.rail(0), &turned).expect("a strip");
+        let after = kept(&curves, made, (0.1, 1e-5), &control);
+        let name = Item::Strip("A-02".into());
+        assert_eq!(after.skipped, [Reason::of(name, StripReason::Unbounded)]);
+        assert_eq!((after.strips.len(), after.parts.len()), (3, 2));
+        assert_eq!(Status::of(after.claims.iter().chain(&after.of_strips)), Status::Uncertified);
+        assert!(after.claims.iter().any(|c| *c == Claim::left_out(StripReason::NotWritten(1))));
+    }
+}

@@ -10,6 +10,7 @@ pub(crate) mod exact_strip;
 pub(crate) mod face_panel;
 pub(crate) mod fewest;
 pub(crate) mod given_outline;
+pub(crate) mod hull_followed;
 pub(crate) mod hull_kept;
 pub(crate) mod hull_whole;
 pub(crate) mod loft_ends;
