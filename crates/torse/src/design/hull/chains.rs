@@ -405,6 +405,8 @@ const RIGHT: f64 = 1e-12;
 const ROUNDED: f64 = 1e-6;
 /// Places between the ends of a ruling at which the height of the curve over it is looked at.
 const PLACES: usize = 16;
+/// Share of a determinant below which another one is no rounding of it.
+const BY_FAR: f64 = 0.01;
 /// First step of the middle, share of the half distance.
 const TRIED: f64 = 1e-3;
 
@@ -439,7 +441,7 @@ pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64)
         .collect();
     for _ in 0..HALVINGS {
         let half = 0.5 * known[KNOWN - 1][0];
-        let middle = righted(rail, half, extrapolated(&known, half));
+        let middle = best_middle(rail, half, &known);
         let next = [middle - half, middle + half + turns];
         if !next.iter().all(|x| x.is_finite()) || length(&next) <= ROUNDED * size {
             break;
@@ -490,24 +492,37 @@ fn arc_height(rail: &Rail, from: f64, to: f64) -> f64 {
     (1..PLACES).map(off).fold(0.0, f64::max)
 }
 
-/// The middle at a half distance from three known ones: Lagrange in the square of the half distance.
-fn extrapolated(known: &[[f64; 2]], half: f64) -> f64 {
+/// The middle at a half distance from three known ones. It is an even function of it where the curve is smooth; where its torsion
+/// jumps, as splines have it at knots, it is not, and what leads to a ruling that is coplanar by far is taken.
+fn best_middle(rail: &Rail, half: f64, known: &[[f64; 2]]) -> f64 {
+    let [even, any] = [2, 1].map(|power| righted(rail, half, extrapolated(known, half, power)));
+    let off = |m: f64| uneven(rail, half, m).abs();
+    if off(any) < BY_FAR * off(even) {
+        any
+    } else {
+        even
+    }
+}
+
+/// The middle at a half distance from known ones: Lagrange in a power of the half distance.
+fn extrapolated(known: &[[f64; 2]], half: f64, power: i32) -> f64 {
+    let at = |i: usize| known[i][0].powi(power);
     let term = |i: usize| {
-        (0..known.len()).filter(|j| *j != i).fold(known[i][1], |m, j| {
-            let (x, y) = (known[i][0] * known[i][0], known[j][0] * known[j][0]);
-            m * (half * half - y) / (x - y)
-        })
+        (0..known.len()).filter(|j| *j != i).fold(known[i][1], |m, j| m * (half.powi(power) - at(j)) / (at(i) - at(j)))
     };
     (0..known.len()).map(term).sum()
+}
+
+/// How far the ruling with this half distance and middle is from coplanar with both tangents.
+fn uneven(rail: &Rail, half: f64, middle: f64) -> f64 {
+    let ends = [middle - half, middle + half].map(|s| (rail.point(wrap(rail, s)), tangents(rail, s)[1]));
+    coplanarity(&ends[0].0, &ends[0].1, &ends[1].0, &ends[1].1)
 }
 
 /// The middle of the ruling with this half distance that is coplanar with both tangents: secants from the one given, which
 /// stays where they lead farther away than the ruling is long.
 fn righted(rail: &Rail, half: f64, given: f64) -> f64 {
-    let value = |m: f64| {
-        let ends = [m - half, m + half].map(|s| (rail.point(wrap(rail, s)), tangents(rail, s)[1]));
-        coplanarity(&ends[0].0, &ends[0].1, &ends[1].0, &ends[1].1)
-    };
+    let value = |m: f64| uneven(rail, half, m);
     let (mut x, mut y) = (given, given + TRIED * half);
     let (mut fx, mut fy) = (value(x), value(y));
     for _ in 0..RIGHTINGS {

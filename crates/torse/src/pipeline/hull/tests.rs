@@ -159,6 +159,17 @@ fn smooth_loops_through_points_are_certified_with_their_tips() {
     }
 }
 
+/// Splines through few points have tips at knots, where the torsion jumps.
+#[test]
+fn loops_through_few_points_are_certified() {
+    for (n, saddle, wave) in [(18, 0.1, 0.1), (24, 0.2, 0.1)] {
+        let height = |t: f64| 350.0 * (saddle * (2.0 * t).cos() + wave * (3.0 * t).sin());
+        let rail = table(n, 0.3, Some(3), &|t| Vec3::new(350.0 * t.cos(), 250.0 * t.sin(), height(t)));
+        let answer = hull(&[rail], &Options::new(0.05), &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{n} {:?}", answer.claims);
+    }
+}
+
 /// Two edges of a hull 10 m long, tables of 25 points.
 fn chines() -> [Rail; 2] {
     let curve = |name: &str, table: &[u8]| {
