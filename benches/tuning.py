@@ -3,30 +3,32 @@
 
 Each is halved and doubled, short jobs are run, and their reports are compared with those of the unchanged program.
 
-    python3 benches/tuning.py WORK [--stage all] [--jobs 3] [--factors 2 0.5] [--only nothing] [--minutes 60] [--limit 20]
+    python3 benches/tuning.py WORK [--stage all] [--jobs 3] [--factors 2 0.5] [--only LISTS] [--minutes 60] [--limit 20]
 
 Needs Python 3.9 or later, cargo and a Unix; no packages. Run it alone on the machine, or bind it to one core
 (`taskset -c 1`): jobs run one after the other, each in one thread; what is compared is the time of the processor.
 
 Stages, each of which takes up what the one before left in the folder WORK:
 
-`build`  copies the workspace to WORK/copy, where every use of a constant `NAME: f64 | usize` in the body of a
-         function becomes `crate::tune::real(ID, NAME)` or `crate::tune::count(ID, NAME)`, and builds it in
+`build`  copies the workspace to WORK/copy, where every use of a constant `NAME: f64 | usize | Duration`, or of tuples
+         and arrays of these, in the body of a function becomes `crate::tune::varied(ID, NAME)`, and builds it in
          WORK/target (or CARGO_TARGET_DIR). Uses that a constant expression needs (other constants, array lengths,
          patterns) stay as they are; what does not compile is put back. The variable TORSE_TUNE="ID:FACTOR"
-         then varies one constant of a run, TORSE_TUNE_TRACE=FILE records what is read.
-         Writes constants.json.
+         then varies one constant of a run, all numbers of a tuple or an array at once; TORSE_TUNE_TRACE=FILE records
+         what is read. Writes constants.json.
 `trace`  runs every job once with the trace and twice without. Writes baseline.json; jobs in it are not run again.
 `vary`   runs, for each constant that some job reads and each factor, the cheapest job that reads it, then the one that
          reads it most often, then the next cheapest, preferably of another command, up to --jobs of them. First every
          constant with its first job, then with its second, so that --minutes may end it at any time; started again,
          it begins with what has not moved anything yet.
          Appends to runs.jsonl. With --only, just the constants of a list that `table` wrote: `--only nothing --factors
-         1000 0.001` tells which of those that half and double leave alone are guards, and which do nothing at all.
+         1000 0.001` tells which of those that half and double leave alone are guards, and which do nothing at all. With
+         `--only rowless`, what docs/tuning.md has no row for; with both names, what is in both.
 `table`  writes tuning.md (what changes) and lists: nothing.txt (read, but the report stays the same to the last digit),
          idle.txt (those of them that do nothing far off either),
          digits.txt (only digits change), unread.txt (no job reads it), better.txt (better in some jobs, worse in none),
          worse.txt (all changes, the worst first).
+`page`   gives what has been varied, but has no row in docs/tuning.md, one there, and jobs too. Not among `all`.
 
 A whole number stays at least 1 and changes at least by 1; 0 stays 0, and 1 cannot be halved. Whether a constant does
 nothing is said of these jobs only: a guard against what they do not meet is as quiet as one that is superfluous.
@@ -128,6 +130,31 @@ JOBS = {
     "conoidal": "ruled {data}/wavy_roof.step --tolerance 80mm --conoidal",
     "ruled": "ruled {data}/wavy_roof.step --tolerance 80mm",
     "ruled-hull": "ruled {data}/hull.step --tolerance 40mm",
+    "fit-lines": "fit {made}/lines.csv --unit mm --tolerance 1mm",
+    "fit-fine": "fit {made}/fine.obj --unit mm --tolerance 1mm",
+    "fit-gap": "fit {made}/gap.csv --unit mm --tolerance 0.2mm",
+    "fit-astray": "fit {made}/planes_astray.csv --region 0,0,0,500 --tolerance 0.2mm --robust",
+    "fit-clear": "fit {data}/hood_strip.csv --tolerance 1mm --min-clearance 1m",
+    "fit-scan-clear": "fit {made}/scan.csv --unit mm --tolerance 1mm --min-clearance 5m",
+    "fit-twisted": "fit {made}/twisted.csv --unit mm --tolerance 10mm --max-strips 1",
+    "cones-wave": "cones {made}/wave.igs --tolerance 1mm",
+    "loft-snake": "loft {made}/snake_low.csv {made}/snake_high.csv --unit mm --tolerance 0.2mm",
+    "loft-coil": "loft {made}/coil_low.csv {made}/coil_high.csv --unit mm --tolerance 0.2mm",
+    "unroll-tip": "unroll {made}/tip.igs --tolerance 1mm",
+    "tip-sheet": "approximate {made}/tip.igs --tolerance 0.3mm --sheet 300x300 --seams independent",
+    "saddle-along": "approximate {made}/saddle.igs --tolerance 10mm --seam-along x=100mm",
+    "saddle-on": "approximate {made}/saddle.igs --tolerance 10mm --curves {made}/on.csv --unit mm --seams independent",
+    "ruled-cone": "ruled {data}/cone_holes.step --tolerance 0.5mm --width 100mm",
+    "sharp": "approximate {made}/sharp.igs --tolerance 3mm",
+    "dome-finest": "approximate {made}/dome.igs --tolerance 0.1mm --seams independent",
+    "roof-finer": "approximate {data}/wavy_roof.step --tolerance 50mm --seams independent",
+    "dished": "approximate {data}/dished_end.step --tolerance 10mm",
+    "creased": "approximate {made}/creased.igs --tolerance 3mm",
+    "torus-limited": "approximate {data}/torus_piece.step --tolerance 1mm --min-bend-radius 3m --seams independent",
+    "nose": "approximate {made}/nose.igs --tolerance 2mm",
+    "tip-sheet-met": "approximate {made}/tip.igs --tolerance 0.3mm --sheet 300x300",
+    "dished-clear": "approximate {data}/dished_end.step --tolerance 40mm --min-clearance 800mm --seams independent",
+    "sharp-finer": "approximate {made}/sharp.igs --tolerance 2mm",
     "refold": "refold {base}/pipe",
     "refold-hopper": "refold {base}/hopper",
 }
@@ -167,22 +194,25 @@ def make_inputs(folder: Path) -> None:
                 scan.append(line(c + 0.1 * (2 * random() - 1) for c in bent(turn, far)))
     (folder / "scan.csv").write_text("\n".join(scan) + "\n")
 
-    mesh, rows, columns = [], 4, 25
-    mesh += ["v " + " ".join(f"{c:.6f}" for c in bent(1.15 * i / (columns - 1), 500 + 400 * j / (rows - 1)))
-             for i in range(columns) for j in range(rows)]
-    for i in range(columns - 1):
-        for j in range(rows - 1):
-            a = i * rows + j + 1
-            mesh += [f"f {a} {a + rows} {a + rows + 1}", f"f {a} {a + rows + 1} {a + 1}"]
-    (folder / "mesh.obj").write_text("\n".join(mesh) + "\n")
+    for name, rows, columns in (("mesh", 4, 25), ("fine", 18, 60)):
+        mesh = ["v " + " ".join(f"{c:.6f}" for c in bent(1.15 * i / (columns - 1), 500 + 400 * j / (rows - 1)))
+                for i in range(columns) for j in range(rows)]
+        for i in range(columns - 1):
+            for j in range(rows - 1):
+                a = i * rows + j + 1
+                mesh += [f"f {a} {a + rows} {a + rows + 1}", f"f {a} {a + rows + 1} {a + 1}"]
+        (folder / f"{name}.obj").write_text("\n".join(mesh) + "\n")
 
-    planes = ["a,b,c,d"]
+    planes, astray = ["a,b,c,d"], ["a,b,c,d"]
     for i in range(21):
         turn, slope = -0.7 + 0.07 * i, 0.2
         normal = (math.cos(turn), math.sin(turn), -slope)
         length = math.hypot(*normal)
-        planes.append(line([*(c / length for c in normal), (400 + 20 * math.sin(2 * turn)) / length]))
+        away = 400 + 20 * math.sin(2 * turn)
+        planes.append(line([*(c / length for c in normal), away / length]))
+        astray.append(line([*(c / length for c in normal), (away + (20 if i == 7 else 0)) / length]))
     (folder / "planes.csv").write_text("\n".join(planes) + "\n")
+    (folder / "planes_astray.csv").write_text("\n".join(astray) + "\n")
 
     rulings = ["ax,ay,az,bx,by,bz"]
     for i in range(120):
@@ -191,6 +221,19 @@ def make_inputs(folder: Path) -> None:
         rulings.append(line([radius * math.cos(turn), radius * math.sin(turn), 0,
                              0.6 * radius * math.cos(turn), 0.6 * radius * math.sin(turn), 250]))
     (folder / "rulings.csv").write_text("\n".join(rulings) + "\n")
+
+    gap = ["ax,ay,az,bx,by,bz"]
+    for turn in (0.05 * k + (0 if k < 12 else 1) for k in range(24)):
+        x, y = 100 * math.cos(turn), 100 * math.sin(turn)
+        gap.append(line([x, y, 0, x, y, 80]))
+    (folder / "gap.csv").write_text("\n".join(gap) + "\n")
+
+    lines = ["x,y,z"]
+    for j in range(12):
+        for k in range(200):
+            a = (k + 0.1 * random()) / 300
+            lines.append(line([300 * math.sin(a), 15 * j + 0.05 * random(), 300 * math.cos(a)]))
+    (folder / "lines.csv").write_text("\n".join(lines) + "\n")
 
     pipe = [f"v {200 * math.cos(a):.6f} {200 * math.sin(a):.6f} {z}" for a in (math.tau * k / 36 for k in range(36))
             for z in (0, 900)]
@@ -207,6 +250,28 @@ def make_inputs(folder: Path) -> None:
     vault = {(2, 0): -5e-4, (0, 2): -1e-4}
     iges(folder / "two.igs", [graph((-500, 0), (-300, 300), vault), graph((0, 400), (-300, 300), vault)])
 
+    iges(folder / "wave.igs", [[(-300, 0, 0), (-90, 0, 300), (90, 0, -300), (300, 0, 0),
+                                (-200, 400, 0), (-60, 400, 200), (60, 400, -200), (200, 400, 0)]], across=1)
+    bent_over = [(-300, 0), (-200, 60), (-100, 90), (0, 100), (100, 60), (200, 0), (300, -90)]
+    iges(folder / "creased.igs", [[(x, y, z - far) for y, far in ((-300, 20), (-100, 0), (100, 0), (300, 20))
+                                   for x, z in bent_over]])
+    nose = [(0, 0), (0, 2.76), (2.24, 5), (5, 5), (200, 5), (400, 35), (600, 50)]
+    iges(folder / "nose.igs", [[(x, y, up * z) for y in (-300, 300) for x, z in nose[::up]] for up in (1, -1)], across=1)
+    for name, height in (("low", 0), ("high", 120)):
+        wide = 1 + height / 400
+        snake = [line((wide * 10 * k, wide * 60 * math.sin(k / 9), height)) for k in range(60)]
+        (folder / f"snake_{name}.csv").write_text("x,y,z\n" + "\n".join(snake) + "\n")
+        coil = [line(((200 + height / 3) * math.cos(k / 12), 200 * math.sin(k / 12), height + k)) for k in range(66)]
+        (folder / f"coil_{name}.csv").write_text("x,y,z\n" + "\n".join(coil) + "\n")
+    twisted = ["ax,ay,az,bx,by,bz"]
+    for k in range(30):
+        c, s = math.cos(0.04 * k), math.sin(0.04 * k)
+        twisted.append(line((15 * k, -60 * c, -60 * s, 15 * k, 60 * c, 60 * s)))
+    (folder / "twisted.csv").write_text("\n".join(twisted) + "\n")
+    on = [line((x, 100, -3e-4 * x * x + 5)) for x in range(-500, 501, 20)]
+    (folder / "on.csv").write_text("x,y,z\n" + "\n".join(on) + "\n")
+    slopes = [((-500, 0), 0.8), ((0, 500), -0.8)]
+    iges(folder / "sharp.igs", [graph(xs, (-300, 300), {(1, 0): c, (2, 0): -3e-4, (0, 2): -2e-4}) for xs, c in slopes])
     ring = [2 * math.pi * (k % 72) / 72 for k in range(73)]
     loop = [line((100 * math.cos(t), 100 * math.sin(t), 35 * math.cos(3 * t))) for t in ring]
     (folder / "loop.csv").write_text("x,y,z\n" + "\n".join(loop) + "\n")
@@ -228,7 +293,7 @@ def graph(xs: tuple, ys: tuple, terms: dict) -> list:
 
 
 def iges(path: Path, patches: list, across: int = 3) -> None:
-    """Writes Bézier patches of degree 3 by `across` as surfaces without trims (type 128)."""
+    """Writes Bézier patches of degree 3 by `across`, or rows of them, as surfaces without trims (type 128)."""
 
     def cards(text: str, letter: str) -> list:
         rows = [text[k : k + 72] for k in range(0, len(text), 72)]
@@ -240,7 +305,9 @@ def iges(path: Path, patches: list, across: int = 3) -> None:
                    f"{name},{name},11,0,{date};", "G")
     directory, data = [], []
     for k, points in enumerate(patches):
-        numbers = f"128 3 {across} 3 {across} 0 0 1 0 0".split() + ["0."] * 4 + ["1."] * 4
+        along = len(points) // (across + 1) - 1
+        knots = [f"{3 * span / along:.6f}".rstrip("0") for span in range(along // 3 + 1) for _ in range(3)]
+        numbers = f"128 {along} {across} 3 {across} 0 0 1 0 0".split() + [knots[0], *knots, knots[-1]]
         numbers += ["0."] * (across + 1) + ["1."] * (across + 1) + ["1."] * len(points)
         numbers += [f"{c:.6f}" for p in points for c in p] + "0. 1. 0. 1.".split()
         rows = [""]
@@ -456,26 +523,82 @@ fn trace(file: &PathBuf, id: usize, value: f64) {
     }
 }
 
-pub(crate) fn real(id: usize, value: f64) -> f64 {
-    let state = state();
-    if let Some(file) = &state.trace {
-        trace(file, id, value);
-    }
-    if state.id == id { value * state.factor } else { value }
+/// Numbers, and tuples and arrays of them, which one factor varies all at once.
+pub(crate) trait Numbers: Copy {
+    fn times(self, factor: f64) -> Self;
+    fn largest(&self) -> f64;
 }
 
-pub(crate) fn count(id: usize, value: usize) -> usize {
+impl Numbers for f64 {
+    fn times(self, factor: f64) -> Self {
+        self * factor
+    }
+    fn largest(&self) -> f64 {
+        self.abs()
+    }
+}
+
+impl Numbers for usize {
+    fn times(self, factor: f64) -> Self {
+        if self == 0 || factor == 1.0 {
+            return self;
+        }
+        let varied = (self as f64 * factor).round() as usize;
+        if factor > 1.0 { varied.max(self + 1) } else { varied.min(self - 1).max(1) }
+    }
+    fn largest(&self) -> f64 {
+        *self as f64
+    }
+}
+
+impl Numbers for std::time::Duration {
+    fn times(self, factor: f64) -> Self {
+        self.mul_f64(factor)
+    }
+    fn largest(&self) -> f64 {
+        self.as_secs_f64()
+    }
+}
+
+impl<T: Numbers, const N: usize> Numbers for [T; N] {
+    fn times(self, factor: f64) -> Self {
+        self.map(|number| number.times(factor))
+    }
+    fn largest(&self) -> f64 {
+        self.iter().map(T::largest).fold(0.0, f64::max)
+    }
+}
+
+impl<A: Numbers, B: Numbers> Numbers for (A, B) {
+    fn times(self, factor: f64) -> Self {
+        (self.0.times(factor), self.1.times(factor))
+    }
+    fn largest(&self) -> f64 {
+        self.0.largest().max(self.1.largest())
+    }
+}
+
+impl<A: Numbers, B: Numbers, C: Numbers> Numbers for (A, B, C) {
+    fn times(self, factor: f64) -> Self {
+        (self.0.times(factor), self.1.times(factor), self.2.times(factor))
+    }
+    fn largest(&self) -> f64 {
+        self.0.largest().max(self.1.largest()).max(self.2.largest())
+    }
+}
+
+pub(crate) fn varied<T: Numbers>(id: usize, value: T) -> T {
     let state = state();
     if let Some(file) = &state.trace {
-        trace(file, id, value as f64);
+        trace(file, id, value.largest());
     }
-    if state.id != id || value == 0 || state.factor == 1.0 {
-        return value;
-    }
-    let varied = (value as f64 * state.factor).round() as usize;
-    if state.factor > 1.0 { varied.max(value + 1) } else { varied.min(value - 1).max(1) }
+    if state.id == id { value.times(state.factor) } else { value }
 }
 """
+
+
+# What is varied: numbers, tuples and arrays of numbers.
+NUMBERS = re.compile(r"(?:f64|usize|Duration|\d+|[\[\](),;])+")
 
 
 class Rewriter:
@@ -495,7 +618,7 @@ class Rewriter:
                 continue
             for c in source.consts:
                 c.update(file=str(source.path.relative_to(root)), id=None, uses=0, excluded="", partly=False)
-                if c["kind"] in ("f64", "usize"):
+                if NUMBERS.fullmatch(c["kind"]):
                     c["id"] = sum(k["id"] is not None for k in self.constants)
                     if not c["local"]:
                         self.of_module[module, c["name"]] = c
@@ -577,8 +700,7 @@ class Rewriter:
         for path, (text, all_changes) in changes.items():
             out, last = [], 0
             for start, end, c in sorted(all_changes, key=lambda change: change[0]):
-                verb = "real" if c["kind"] == "f64" else "count"
-                out += [text[last:start], f"crate::tune::{verb}({c['id']}, {text[start:end]})"]
+                out += [text[last:start], f"crate::tune::varied({c['id']}, {text[start:end]})"]
                 last = end
             path.write_text("".join(out) + text[last:])
         number = sum(c["id"] is not None for c in self.constants)
@@ -602,18 +724,18 @@ def build(workspace: Path, work: Path) -> None:
     rewriter.write()
     target = os.environ.get("CARGO_TARGET_DIR", str(work / "target"))
     environment = os.environ | {"CARGO_TARGET_DIR": target, "CARGO_TERM_COLOR": "never"}
-    command = ["cargo", "build", "--release", "-p", "torse-cli", "--message-format", "short"]
-    command[1:1] = ["--config", "profile.release.incremental=true"]
+    package = ["-p", "torse-cli", "--message-format", "short"]
     for attempt in range(8):
-        built = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True)
-        if built.returncode == 0:
+        checked = subprocess.run(["cargo", "check", *package], cwd=copy, env=environment, capture_output=True, text=True)
+        if checked.returncode == 0:
             break
-        (work / f"build-{attempt}.log").write_text(built.stderr)
-        if not put_back(rewriter, copy, built.stderr):
-            sys.exit(f"the copy does not compile:\n{built.stderr[-4000:]}")
+        (work / f"build-{attempt}.log").write_text(checked.stderr)
+        if not put_back(rewriter, copy, checked.stderr):
+            sys.exit(f"the copy does not compile:\n{checked.stderr[-4000:]}")
         rewriter.write()
     else:
         sys.exit("the copy does not compile")
+    subprocess.run(["cargo", "build", "--release", *package], cwd=copy, env=environment, check=True)
     shutil.copy(Path(target) / "release" / "torse", work / "torse")
     for c in rewriter.constants:
         c.pop("scope")
@@ -641,7 +763,7 @@ def put_back(rewriter: Rewriter, copy: Path, errors: str) -> set:
     for found in re.finditer(r"^(\S+\.rs):(\d+):\d+: error(.*)$", errors, re.M):
         path, line = copy / found.group(1), int(found.group(2))
         here = path.read_text().split("\n")[line - 1] if path.exists() else ""
-        for number in re.findall(r"crate::tune::(?:real|count)\((\d+),", here):
+        for number in re.findall(r"crate::tune::varied\((\d+),", here):
             c = next(c for c in rewriter.constants if c["id"] == int(number))
             c["excluded"] = "does not compile:" + found.group(3)[:80]
             bad.add(c["name"])
@@ -782,13 +904,50 @@ def place_of(c: dict) -> str:
     return f"{c['file']}:{c['line']} {c['name']}"
 
 
-def vary(work: Path, limit: float, most: int, factors: list, minutes: float, only: str) -> None:
+PAGE = "docs/tuning.md"
+NO_ROW = "## Without a row"
+
+
+def sections(page: str) -> dict:
+    """Rows of the page by file."""
+    out, file = {}, None
+    for line in page[: page.index(NO_ROW)].splitlines():
+        if found := re.fullmatch(r"\*\*(\S+\.rs)\*\*", line):
+            file = found.group(1)
+        elif file and re.match(r"\| [A-Z]", line):
+            out.setdefault(file, []).append(line)
+    return out
+
+
+def starts(c: dict) -> list:
+    """How a row of a constant begins."""
+    return [f"| {c['name']}{mark} | {c['value'][:28]} |" for mark in ("", "†")]
+
+
+def rowless(workspace: Path, constants: list) -> list:
+    """The constants that the page lists as those without a row."""
+    page = (workspace / PAGE).read_text()
+    rows, named = sections(page), set()
+    for file, names in re.findall(r"^\| (\S+\.rs) \| (.*) \|$", page[page.index(NO_ROW) :], re.M):
+        named |= {(file, name.split()[0]) for name in names.split(", ")}
+
+    def has_row(c: dict) -> bool:
+        """Of two of one name in a file one may have a row."""
+        return any(line.startswith(s) for line in rows.get(c["file"], []) for s in starts(c))
+
+    return [c for c in constants if (c["file"], c["name"]) in named and not has_row(c)]
+
+
+def vary(workspace: Path, work: Path, limit: float, most: int, factors: list, minutes: float, only: list) -> None:
     end = time.monotonic() + 60 * minutes
     runner = Runner(work, limit)
     constants = json.loads((work / "constants.json").read_text())
-    if only:
-        wanted = {" ".join(line.split()[:2]) for line in (work / f"{only}.txt").read_text().splitlines()}
-        constants = [c for c in constants if place_of(c) in wanted]
+    for name in only:
+        if name == "rowless":
+            constants = rowless(workspace, constants)
+        else:
+            wanted = {" ".join(line.split()[:2]) for line in (work / f"{name}.txt").read_text().splitlines()}
+            constants = [c for c in constants if place_of(c) in wanted]
     baseline = json.loads((work / "baseline.json").read_text())
     record = work / "runs.jsonl"
     known = [json.loads(line) for line in record.read_text().splitlines()] if record.exists() else []
@@ -885,12 +1044,76 @@ def cell(told: list) -> tuple:
     return worst[0], f"{', '.join(worst[1])} ({worst[2]}, {len(changed)} of {len(told)})"
 
 
-def table(work: Path, limit: float, factors: list) -> None:
-    constants = json.loads((work / "constants.json").read_text())
-    baseline = json.loads((work / "baseline.json").read_text())
+HEAD = ["| constant | value | what | at half | at double | far off |", "|---|---|---|---|---|---|"]
+
+
+def effects(work: Path, baseline: dict, limit: float) -> dict:
+    """What came of all runs, by constant and factor."""
     runs = {}
     for r in map(json.loads, (work / "runs.jsonl").read_text().splitlines()):
         runs.setdefault((r["id"], r["factor"]), []).append((*effect(r, baseline[r["job"]], limit), r["job"]))
+    return runs
+
+
+def of_one(c: dict, runs: dict, factors: list) -> tuple:
+    """What came of one constant: by factor, and with all other factors."""
+    told = {factor: runs.get((c["id"], factor), []) for factor in sorted(factors)}
+    others = ((factor, those) for (number, factor), those in runs.items() if number == c["id"] and factor not in told)
+    return told, [(harm, words, f"×{factor:g} {job}") for factor, those in others for harm, words, job in those]
+
+
+def row(c: dict, told: dict, far: list, newer: str = "") -> str:
+    cells = [cell(those)[1] for those in [*told.values(), far]]
+    return f"{starts(c)[c['partly']][:-2]}{newer} | {first_sentence(c['doc'])} | {' | '.join(cells)} |"
+
+
+def job_row(job: str, b: dict) -> str:
+    bound = "—" if b.get("bound") is None else f"{b['bound']:.4g}"
+    bound += f" / {b['limit']:g}" if b.get("limit") else ""
+    command = re.sub(r"\{(data|made|base)\}/", "", JOBS.get(job, ""))
+    return (f"| {job} | `{command}` | {b['exit']} | {b.get('panels', '—')} | {bound} | "
+            f"{b.get('exact', 0)}/{b.get('seams', 0)} | {b['cpu']:.2f} | {len(b['reads'])} |")
+
+
+def page(workspace: Path, work: Path, limit: float, factors: list) -> None:
+    """Rows for constants and jobs that the page has none for, marked as newer, in the order of the sources."""
+    constants = json.loads((work / "constants.json").read_text())
+    baseline = json.loads((work / "baseline.json").read_text())
+    runs = effects(work, baseline, limit)
+    text = (workspace / PAGE).read_text()
+    rows, found = sections(text), 0
+    place = {start: k for k, c in enumerate(constants) for start in [c["file"] + s for s in starts(c)]}
+    for c in rowless(workspace, constants):
+        told, far = of_one(c, runs, factors)
+        if not any(told.values()):
+            continue
+        own = rows.setdefault(c["file"], [])
+        later = [k for k, line in enumerate(own)
+                 if any(place[s] > constants.index(c) for s in place if (c["file"] + line).startswith(s))]
+        own.insert(later[0] if later else len(own), row(c, told, far, " ‡"))
+        names = re.compile(rf"^(\| {re.escape(c['file'])} \|.*?) {c['name']}(?: \(since\))?(?:, | (?=\|))", re.M)
+        text = names.sub(r"\1 ", text)
+        found += 1
+    text = re.sub(r"^\| \S+\.rs \| +\|\n", "", text, flags=re.M)
+    text = re.sub(r"^(\| \S+\.rs \| .*), \|$", r"\1 |", text, flags=re.M)
+    jobs = [job_row(job, b) for job, b in baseline.items() if f"\n| {job} |" not in text]
+    lines, file = [], None
+    for name in dict.fromkeys(c["file"] for c in constants):
+        if name in rows:
+            if file is None or Path(name).parent != Path(file).parent:
+                lines += [f"## {Path(name).parent}", ""]
+            file = name
+            lines += [f"**{file}**", "", *HEAD, *rows[file], ""]
+    first = re.search(r"^## ", text, re.M).start()
+    text = text[:first].rstrip() + "\n".join(["", *jobs, "", *lines, ""]) + text[text.index(NO_ROW) :]
+    (workspace / PAGE).write_text(text)
+    print(f"{found} rows")
+
+
+def table(work: Path, limit: float, factors: list) -> None:
+    constants = json.loads((work / "constants.json").read_text())
+    baseline = json.loads((work / "baseline.json").read_text())
+    runs = effects(work, baseline, limit)
     read = {number for b in baseline.values() for number in b["reads"]}
     scalar = [c for c in constants if c["id"] is not None]
     rows, file = [], None
@@ -900,10 +1123,8 @@ def table(work: Path, limit: float, factors: list) -> None:
         if str(c["id"]) not in read:
             lists["unread"].append(place)
             continue
-        told = {factor: runs.get((c["id"], factor), []) for factor in sorted(factors)}
+        told, far = of_one(c, runs, factors)
         cells = {factor: cell(those) for factor, those in told.items()}
-        others = ((factor, those) for (number, factor), those in runs.items() if number == c["id"] and factor not in told)
-        far = [(harm, words, f"×{factor:g} {job}") for factor, those in others for harm, words, job in those]
         everything = [t for those in told.values() for t in those]
         if everything and not any(t[1] for t in everything):
             lists["nothing"].append(f"{place}  ({len(everything)} runs)")
@@ -923,15 +1144,13 @@ def table(work: Path, limit: float, factors: list) -> None:
                 rows += ["", f"## {Path(c['file']).parent}"]
             file = c["file"]
             rows += ["", f"**{file}**", ""]
-            rows += ["| constant | value | what | at half | at double | far off |", "|---|---|---|---|---|---|"]
-        mark = "†" if c["partly"] else ""
-        rows.append(f"| {c['name']}{mark} | {c['value'][:28]} | {first_sentence(c['doc'])} | "
-                    f"{' | '.join(text for _, text in cells.values())} | {cell(far)[1]} |")
+            rows += HEAD
+        rows.append(row(c, told, far))
     fixed = sum(not c["uses"] for c in scalar)
     found = sum(str(c["id"]) in read for c in scalar)
     summary = (
-        f"{len(constants)} constants, {len(scalar)} of them one number. Of these {fixed} stand in constant expressions "
-        f"only, {len(lists['unread'])} are read by no job, and {found} are read: of those that ran, "
+        f"{len(constants)} constants, {len(scalar)} of them of numbers. Of these {fixed} stand in constant expressions "
+        f"only or cannot be varied, {len(lists['unread'])} are read by no job, and {found} are read: of those that ran, "
         f"{len(lists['nothing'])} change nothing at half and at double ({len(lists['idle'])} of them nothing far off "
         f"either), {len(lists['digits'])} only digits."
     )
@@ -944,12 +1163,7 @@ def table(work: Path, limit: float, factors: list) -> None:
         "", "| job | command | exit | panels | bound / limit | exact seams | cpu-s | reads |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for job, b in baseline.items():
-        bound = "—" if b.get("bound") is None else f"{b['bound']:.4g}"
-        bound += f" / {b['limit']:g}" if b.get("limit") else ""
-        command = re.sub(r"\{(data|made|base)\}/", "", JOBS.get(job, ""))
-        head.append(f"| {job} | `{command}` | {b['exit']} | {b.get('panels', '—')} | {bound} | "
-                    f"{b.get('exact', 0)}/{b.get('seams', 0)} | {b['cpu']:.2f} | {len(b['reads'])} |")
+    head += [job_row(job, b) for job, b in baseline.items()]
     (work / "tuning.md").write_text("\n".join(head + rows) + "\n")
     for name, lines in lists.items():
         texts = [text for _, text in sorted(lines)] if lines and isinstance(lines[0], tuple) else lines
@@ -961,10 +1175,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("work", type=Path, help="folder for the copy and the results")
     parser.add_argument("--workspace", type=Path, default=Path(__file__).resolve().parent.parent, help="the project")
-    parser.add_argument("--stage", choices=["all", "build", "trace", "vary", "table"], default="all")
+    parser.add_argument("--stage", choices=["all", "build", "trace", "vary", "table", "page"], default="all")
     parser.add_argument("--jobs", type=int, default=3, help="at most so many jobs for each constant and factor")
     parser.add_argument("--factors", type=float, nargs="+", default=[2.0, 0.5])
-    parser.add_argument("--only", default="", help="a list that `table` wrote, such as nothing")
+    parser.add_argument("--only", nargs="+", default=[], help="a list that `table` wrote, such as nothing; or rowless")
     parser.add_argument("--minutes", type=float, default=60.0, help="how long to vary")
     parser.add_argument("--limit", type=float, default=20.0, help="seconds of the processor for one run")
     given = parser.parse_args()
@@ -975,9 +1189,11 @@ def main() -> None:
     if given.stage in ("all", "trace"):
         trace(work, given.limit)
     if given.stage in ("all", "vary"):
-        vary(work, given.limit, given.jobs, given.factors, given.minutes, given.only)
+        vary(given.workspace.resolve(), work, given.limit, given.jobs, given.factors, given.minutes, given.only)
     if given.stage in ("all", "table"):
         table(work, given.limit, given.factors)
+    if given.stage == "page":
+        page(given.workspace.resolve(), work, given.limit, given.factors)
 
 
 if __name__ == "__main__":
