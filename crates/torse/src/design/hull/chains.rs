@@ -462,19 +462,22 @@ fn fan_at_end(stations: &[[f64; 2]]) -> Option<usize> {
     (0..2).find(|&d| (a[d] - b[d]).abs() <= STILL)
 }
 
-/// Halves the last ruling of a fan about a place of its own curve until the arc between its ends is within `height` (mm) of it.
+/// Brings the last ruling of a fan about a place of its own curve nearer to that, by halvings and from one end of a piece to the next,
+/// until the arc between its ends is within `height` (mm) of it.
 fn nearer(rail: &Rail, stations: &mut [[f64; 2]], rest: usize, height: f64) {
-    const HALVINGS: usize = 60;
+    const STEPS: usize = 60;
     let n = rail.pieces.len() as f64;
     let Some(last) = stations.last_mut() else { return };
     let long = last[1 - rest] - last[rest];
     let turns = if rail.closed { (long / n).round() * n } else { 0.0 };
     let (corner, mut off) = (last[rest] + turns, long - turns);
-    for _ in 0..HALVINGS {
+    for _ in 0..STEPS {
         if arc_height(rail, corner, corner + off) <= height {
             break;
         }
-        off *= 0.5;
+        let way = off.signum();
+        let end_of_piece = way * ((way * (corner + off) - STILL).ceil() - 1.0) - corner;
+        off = way * (way * end_of_piece).max(way * 0.5 * off);
     }
     last[1 - rest] = corner + off;
 }

@@ -170,6 +170,20 @@ fn loops_through_few_points_are_certified() {
     }
 }
 
+/// Some of its corners are none: straight pieces and parabolas through three points.
+#[test]
+fn a_loop_of_straight_and_round_pieces_is_certified() {
+    let heights = [49.0, -50.0, -55.0, 75.0, 26.0, -58.0, -20.0, 33.0];
+    let point = |k: usize| {
+        let t = TAU * (k % 8) as f64 / 8.0;
+        Vec3::new(610.0 * t.cos(), 392.0 * t.sin(), heights[k % 8])
+    };
+    let rail = Rail::through("loop", &(0..=8).map(point).collect::<Vec<_>>()).expect("rail");
+    assert!((2..8).contains(&rail.pieces.len()), "{}", rail.pieces.len());
+    let answer = hull(&[rail], &Options::new(0.1), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+}
+
 /// Two edges of a hull 10 m long, tables of 25 points.
 fn chines() -> [Rail; 2] {
     let curve = |name: &str, table: &[u8]| {

@@ -48,9 +48,11 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Strips without a proof, and whatever else is missing.
+    /// Strips without a proof, demands that are not met, and whatever else is missing.
     fn faults(&self) -> usize {
-        self.kept.skipped.len() + self.kept.missing.len() + usize::from(self.apart.is_some())
+        let Kept { claims, of_strips, skipped, missing, .. } = &self.kept;
+        let broken = claims.iter().chain(of_strips).filter(|c| c.is_broken()).count();
+        skipped.len() + missing.len() + broken + usize::from(self.apart.is_some())
     }
 }
 
