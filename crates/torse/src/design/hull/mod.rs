@@ -8,6 +8,7 @@ pub(crate) mod needless;
 mod sampled;
 pub(crate) mod sparse;
 pub mod strips;
+mod tip;
 mod turning;
 mod walk;
 

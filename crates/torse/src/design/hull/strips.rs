@@ -1,7 +1,8 @@
 //! Exact strips along the chains of a hull: fans and facets as cones and planes, the rest as between any two rails
 //! \[W15, 5.4\].
 
-use super::chains::{towards_tip, RulingChain};
+use super::chains::RulingChain;
+use super::tip::towards_tip;
 use super::{Hull, HullError};
 use crate::control::Control;
 use crate::design::loft::build::{between_pieces, BuildOptions, BuiltStrip};

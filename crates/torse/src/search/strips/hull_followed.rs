@@ -61,23 +61,25 @@ impl Judged {
 /// # Errors
 /// No curves; curves in one plane; data that no spline can hold.
 pub fn judged(curves: &[Rail], asked: &Asked, control: &Control) -> Result<Judged, HullError> {
-    let mut best: Option<Judged> = None;
-    let mut before: Vec<Rail> = Vec::new();
-    for (round, share) in FOLLOW_SHARES.into_iter().enumerate() {
-        let followed: Vec<Rail> = parallel::map(curves.iter(), |c| sparse(c, share * asked.tolerance, control));
-        if followed == before {
-            continue;
-        }
-        let found = of_likes(curves, &followed, asked, round, control)?;
-        before = followed;
-        if best.as_ref().is_none_or(|b| found.faults() < b.faults()) {
-            best = Some(found);
-        }
-        if control.stopped() || best.as_ref().is_some_and(|b| b.faults() == 0) {
+    let likes = |share: f64| parallel::map(curves.iter(), |c| sparse(c, share * asked.tolerance, control));
+    let mut followed: Vec<Rail> = likes(FOLLOW_SHARES[0]);
+    let mut best = of_likes(curves, &followed, asked, 0, control)?;
+    for (round, share) in FOLLOW_SHARES.into_iter().enumerate().skip(1) {
+        if best.faults() == 0 || control.stopped() {
             break;
         }
+        let closer = likes(share);
+        if closer == followed {
+            continue;
+        }
+        followed = closer;
+        let Ok(found) = of_likes(curves, &followed, asked, round, control) else { continue };
+        // Of a round that was stopped strips are missing.
+        if !control.stopped() && found.faults() < best.faults() {
+            best = found;
+        }
     }
-    best.ok_or(HullError::NoCurves)
+    Ok(best)
 }
 
 /// The same with given likes of the curves.
