@@ -24,9 +24,10 @@ const TRIED: f64 = 1e-3;
 
 /// Stations with the rulings between the last one and the chain's tip put in order: short ones are replaced by halvings
 /// of the distance left, until the curve lies within `height` (mm) of the last one. Their middles are extrapolated
-/// from longer rulings, on which they depend as an even function of the half distance, and moved until the ruling is
-/// coplanar with both tangents: rounding of the determinant, which is of third order in the length l, moves the middle by
-/// no more than its share of l⁻², and the tangent planes by its share of l⁻¹.
+/// from longer rulings, on which they depend as an even function of the half distance where the curve is smooth, and moved
+/// until the ruling is coplanar with both tangents: rounding of the determinant, which is of third order in the length l,
+/// moves the middle by no more than its share of l⁻², and the tangent planes by its share of l⁻¹. A fan about a place of the
+/// curve itself is brought as near instead.
 pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64) -> Vec<[f64; 2]> {
     const HALVINGS: usize = 60;
     const KNOWN: usize = 3;

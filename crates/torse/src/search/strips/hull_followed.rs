@@ -73,8 +73,8 @@ pub fn judged(curves: &[Rail], asked: &Asked, control: &Control) -> Result<Judge
             continue;
         }
         followed = closer;
+        // A round that fails takes nothing away, nor does one that was stopped, of which strips are missing.
         let Ok(found) = of_likes(curves, &followed, asked, round, control) else { continue };
-        // Of a round that was stopped strips are missing.
         if !control.stopped() && found.faults() < best.faults() {
             best = found;
         }
