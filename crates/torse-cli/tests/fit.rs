@@ -418,6 +418,14 @@ fn a_table_of_a_strip_of_quadrilaterals_holds_rulings() {
     let figures = report["panels"][0]["figures"].as_array().expect("figures");
     let count = figures.iter().find(|f| f["name"] == "control points along").and_then(|f| f["value"].as_f64());
     assert!(count.is_some_and(|n| n < 10.0), "{report}");
+    // Nearer than these rulings allow: a strip that bulges by 11 mm between two of them, whose planes leave it 3 mm, is named.
+    let (code, said, report) = fit("hood.csv", table, &["-t", "0.2mm"]);
+    let figures = report["panels"][1]["figures"].as_array().expect("figures");
+    let reached = figures.iter().find(|f| f["what"] == "beyond_rulings").and_then(|f| f["value"].as_f64()).expect("it");
+    assert!(
+        code == Some(3) && reached > 10.0 && said.contains("A-02: its outline is not shown to keep"),
+        "{reached} {said}"
+    );
 }
 
 #[test]

@@ -95,8 +95,8 @@ fn border(
 ) -> Result<Vec<(f64, Vec3)>, ExtentError> {
     let power_form = PowerForm::of(torse).ok_or(ExtentError::Few(0))?;
     let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
-    for e in elements {
-        let t = least(torse, |r| off(r, e));
+    let at = passed(torse, error, elements);
+    for (e, &t) in elements.iter().zip(&at) {
         let ends = if e.has_ruling() {
             // Feet of the ends, near the parameter of the ruling as a whole: other folds may pass nearer to one end.
             e.ends.map(|x| {
@@ -114,11 +114,10 @@ fn border(
         }
     }
     let (a, b) = sides[0].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
-    let outermost = [elements.first(), elements.last()];
-    for e in outermost.into_iter().flatten().filter(|e| beyond && !e.has_ruling()) {
+    let outermost = [elements.first().zip(at.first()), elements.last().zip(at.last())];
+    for (e, &from) in outermost.into_iter().flatten().filter(|(e, _)| beyond && !e.has_ruling()) {
         let q = power_form.local(&e.centre());
         let near = |t: &f64| power_form.distance(&q, *t).0.abs() <= 2.0 * error + BESIDE * e.radius;
-        let from = least(torse, |r| off(r, e));
         if let Some(t) = power_form.foot(&q, from, power_form.domain()).filter(near).filter(|t| *t < a || *t > b) {
             sides.iter_mut().zip(chord(torse, t, e)).for_each(|(side, end)| side.push(end));
         }
@@ -155,13 +154,52 @@ fn off(r: &Ruling, e: &ContactElement) -> f64 {
     }
 }
 
-/// The parameter with the least value: the best of a table, then golden sections.
-fn least(torse: &Torse, value: impl Fn(&Ruling) -> f64) -> f64 {
+/// A ruling as near as this multiple of the nearest one, or of the distance of the torse, may be the one of an element.
+const AS_NEAR: f64 = 4.0;
+
+/// The parameters of elements on a torse. Where it goes round further than the elements do, more than one ruling is as near to one of
+/// these; those are taken between which the way from element to element is shortest.
+fn passed(torse: &Torse, error: f64, elements: &[ContactElement]) -> Vec<f64> {
+    // Of each ruling that an element may be: its parameter, the way up to it, and the one before it.
+    let mut ways: Vec<Vec<(f64, f64, usize)>> = Vec::with_capacity(elements.len());
+    for e in elements {
+        let all = minima(torse, |r| off(r, e));
+        let nearest = all.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
+        let may = all.iter().filter(|m| m.1 <= AS_NEAR * nearest.max(error)).map(|m| m.0);
+        let way = |t: f64| match ways.last() {
+            Some(before) => (before.iter().enumerate())
+                .map(|(k, b)| (t, b.1 + (t - b.0).abs(), k))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap_or((t, 0.0, 0)),
+            None => (t, 0.0, 0),
+        };
+        let reached = may.map(way).collect();
+        ways.push(reached);
+    }
+    let last = ways.last().into_iter().flatten().enumerate().min_by(|a, b| a.1 .1.total_cmp(&b.1 .1));
+    let mut k = last.map_or(0, |l| l.0);
+    let mut out = Vec::with_capacity(elements.len());
+    for own in ways.iter().rev() {
+        let Some(&(t, _, before)) = own.get(k) else { break };
+        out.push(t);
+        k = before;
+    }
+    out.reverse();
+    out
+}
+
+/// The places of the least values in their surroundings, with these: those of a table, then golden sections.
+fn minima(torse: &Torse, value: impl Fn(&Ruling) -> f64) -> Vec<(f64, f64)> {
     const TABLE: usize = 128;
     const SECTIONS: usize = 40;
     let off = |t: f64| value(&torse.ruling(t));
     let (from, to) = torse.domain();
     let at = |k: usize| from + (to - from) * k as f64 / TABLE as f64;
-    let k = (0..=TABLE).min_by(|&i, &j| off(at(i)).total_cmp(&off(at(j)))).unwrap_or(0);
-    golden_section::least(off, [at(k.saturating_sub(1)), at((k + 1).min(TABLE))], SECTIONS).0
+    let values: Vec<f64> = (0..=TABLE).map(|k| off(at(k))).collect();
+    let is_least = |&k: &usize| {
+        let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
+        beside.filter_map(|i| values.get(i)).all(|v| values[k] <= *v)
+    };
+    let refined = |k: usize| golden_section::least(off, [at(k.saturating_sub(1)), at((k + 1).min(TABLE))], SECTIONS);
+    (0..=TABLE).filter(is_least).map(refined).collect()
 }

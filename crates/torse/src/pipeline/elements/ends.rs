@@ -229,7 +229,7 @@ fn of_panel(
     tolerance: f64,
 ) -> impl Iterator<Item = (Claim, StripReason)> {
     let keeps = keeps.unwrap_or([tolerance; 2]);
-    let [ends, reach] = [0, 1].map(|k: usize| (1.0 + SLACK[k]) * keeps[k]);
+    let [ends, reach] = keeps.map(|x| (1.0 + SLACK) * x);
     let subject = Subject::Panel(k);
     let beyond = Claim::at_most(What::EndDistance, subject, proof.beyond_bound()).within(ends);
     let far = StripReason::EndOutside { within: ends, worst };
@@ -243,7 +243,6 @@ fn of_panel(
 const APART: f64 = 0.25;
 /// Share of what outlines keep to below which distances from the stretches between rulings are not told apart.
 const SHARP: f64 = 0.6;
-/// What bounds of the distances of ends, and of the way back, may exceed by what outlines are made to keep to, as shares: bounds are
-/// up to a tenth above distances, chords of the outline take a little, and between ends that jump to and fro the sheet bulges by more
-/// than at the middles where that is estimated.
-const SLACK: [f64; 2] = [0.15, 0.5];
+/// What bounds may exceed what outlines are made to keep to by, as a share: they are up to a tenth above distances, and chords of
+/// the outline take a little.
+const SLACK: f64 = 0.15;

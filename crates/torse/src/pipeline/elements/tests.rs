@@ -164,6 +164,8 @@ fn rings_are_covered_all_around() {
     assert_eq!(open.status(), Status::Certified, "{}", words::reason(&open.claims, &[]));
     assert!((flat(&open) / (47.0 * one) - 1.0).abs() < 0.004, "{} {}", flat(&open), 47.0 * one);
     assert!(has(&open, |n| matches!(n, FitNote::OpenRing { .. })), "{:?}", open.notes);
+    // It is open where the rulings are.
+    assert!(!has(&open, |n| matches!(n, FitNote::NoStrip { .. })), "{:?}", open.notes);
 }
 
 #[test]

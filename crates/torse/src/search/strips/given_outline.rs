@@ -14,8 +14,9 @@ use crate::torse::strip::Strip;
 /// What a strip should end at.
 #[derive(Clone, Debug)]
 pub(crate) enum GivenBorder {
-    /// The rulings of these elements, neighbours beside each other and all in one direction.
-    Rulings(Vec<[Vec3; 2]>),
+    /// The rulings of these elements, neighbours beside each other and all in one direction, and how far a sheet may bulge
+    /// from straight lines between neighbours, mm.
+    Rulings(Vec<[Vec3; 2]>, f64),
     /// The border of a face: closed loops of places that are dense enough for its curves, the outer one first.
     Face(Vec<Vec<Vec3>>),
 }
@@ -26,20 +27,19 @@ const ENDS: f64 = 0.3;
 const STEPS: usize = 3;
 /// Places along each border of a strip at which that is looked at.
 const LOOKS: usize = 512;
-/// Shares of rulings at which the sheet between two of them is compared with straight lines.
-const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 impl GivenBorder {
     /// The border of elements with rulings; `None` if some have none.
     pub fn of(elements: &[ContactElement]) -> Option<Self> {
         let all = elements.len() > 1 && elements.iter().all(ContactElement::has_ruling);
-        all.then(|| Self::Rulings(elements.iter().map(|e| e.ends).collect()))
+        let bulge = elements.windows(2).map(|w| bulge(&w[0], &w[1])).fold(0.0, f64::max);
+        all.then(|| Self::Rulings(elements.iter().map(|e| e.ends).collect(), bulge))
     }
 
     /// What is given, as points and, of rulings, the indices of the ends of neighbours.
     pub fn points_and_cells(&self) -> (Vec<Vec3>, Vec<[u32; 4]>) {
         match self {
-            Self::Rulings(all) => {
+            Self::Rulings(all, _) => {
                 let between = (1..all.len() as u32).map(|k| [2 * k - 2, 2 * k - 1, 2 * k, 2 * k + 1]);
                 (all.iter().flatten().copied().collect(), between.collect())
             }
@@ -65,9 +65,9 @@ pub(super) fn cut(
     control: &Control,
 ) -> Option<Cut> {
     let (loops, off) = match border {
-        GivenBorder::Rulings(all) => {
+        GivenBorder::Rulings(all, bulge) => {
             let (outline, beside) = around(shown, strip, all, control)?;
-            (vec![outline], beside + bulge(strip, all, control))
+            (vec![outline], beside + bulge)
         }
         GivenBorder::Face(loops) => {
             let thin = |l: &Vec<Vec3>| {
@@ -154,15 +154,13 @@ fn around(shown: &Shown, strip: &Strip, rulings: &[[Vec3; 2]], control: &Control
     (out.len() > 2).then_some((out, beside))
 }
 
-/// How far a strip bulges from straight lines between neighbouring rulings, mm.
-fn bulge(strip: &Strip, rulings: &[[Vec3; 2]], control: &Control) -> f64 {
-    let middles: Vec<Vec3> = rulings
-        .windows(2)
-        .flat_map(|w| SHARES.map(|s| (w[0].map(|x| x * 0.5), w[1].map(|x| x * 0.5), s)))
-        .map(|(p, q, s)| (p[0] + q[0]) * (1.0 - s) + (p[1] + q[1]) * s)
-        .collect();
-    let on = points(std::slice::from_ref(strip), &middles, control);
-    on.bounds().iter().copied().fold(0.0, f64::max)
+/// How far a sheet may bulge from straight lines between two neighbouring elements, mm. One that turns without turning back stays
+/// within the triangle of its tangents, whose height over their distance w is at most w/2 · tan(θ/2) when the normals turn by θ;
+/// never more than w is allowed. This is what is given alone: no strip widens what it is held to.
+fn bulge(one: &ContactElement, next: &ContactElement) -> f64 {
+    let apart = [0, 1].map(|k: usize| (next.ends[k] - one.ends[k]).norm());
+    let turn = one.normal.angle(&next.normal);
+    apart[0].max(apart[1]) * (0.5 * (0.5 * turn).tan()).min(1.0)
 }
 
 /// Whether a polygon of the plane and the border of a whole strip are within `off` (mm) of each other.
@@ -180,4 +178,24 @@ fn ends_there(shown: &Shown, polygon: &[Vec2], off: f64) -> bool {
     let near =
         |x: &Vec2, l: &[Vec2]| (0..l.len()).any(|k| (segment::foot(&l[k], &l[(k + 1) % l.len()], x) - x).norm() <= off);
     border.iter().all(|x| near(x, polygon)) && polygon.iter().all(|x| near(x, &border))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_sheet_may_bulge_by_is_at_least_what_a_cylinder_does() {
+        for turn in [1e-3, 0.1, 0.5, 1.0, 2.0, 3.0] {
+            let [one, next] = [-0.5 * turn, 0.5 * turn].map(|a: f64| {
+                let normal = Vec3::new(a.sin(), 0.0, a.cos());
+                let at = |y: f64| 100.0 * normal + Vec3::new(0.0, y, 0.0);
+                ContactElement { normal, ends: [at(0.0), at(50.0)], radius: 10.0, weight: 1.0 }
+            });
+            let (allowed, apart) = (bulge(&one, &next), 200.0 * (0.5 * turn).sin());
+            let sagitta = 100.0 * (1.0 - (0.5 * turn).cos());
+            assert!(allowed >= sagitta && allowed <= apart, "{turn}: {allowed} {sagitta}");
+            assert!(turn > 1.0 || allowed <= 2.2 * sagitta, "{turn}: {allowed} {sagitta}");
+        }
+    }
 }
