@@ -1,6 +1,7 @@
 //! The program as people call it.
 
 mod bad_input;
+mod branch_and_trough;
 mod cones;
 mod curves;
 mod fit;

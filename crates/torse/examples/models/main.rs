@@ -4,6 +4,8 @@
 //! that the files are small and come out the same on every machine. Lengths in mm.
 
 mod bracket;
+mod branch;
+mod trough;
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -47,6 +49,8 @@ fn models() -> Outcome<Vec<(&'static str, Shell)>> {
         ("cone_holes", cone_holes()?),
         ("cylinder_holes", cylinder_holes()?),
         ("bracket", bracket::bracket()?),
+        ("branch", branch::branch()?),
+        ("trough", trough::trough()?),
     ])
 }
 
@@ -254,10 +258,20 @@ fn freeform(degree: usize, spans: [usize; 2], f: fn(f64, f64) -> Vec3) -> Outcom
 
 /// Cubic spline through the values of `f` at the Greville points.
 fn spline(spans: usize, f: impl Fn(f64) -> Vec3) -> Outcome<Curve<3>> {
-    let knots = Knots::uniform(3, spans, 0.0, 1.0)?;
+    interpolated(3, spans, f, rounded)
+}
+
+/// As [`spline`], of degree 5 and rounded to 0.1 nm: where bodies meet in an edge, it lies on both.
+fn smooth_spline(spans: usize, f: impl Fn(f64) -> Vec3) -> Outcome<Curve<3>> {
+    interpolated(5, spans, f, |x| (x * 1e7).round() / 1e7)
+}
+
+/// Spline through the values of `f` at the Greville points, its control points rounded by `round`.
+fn interpolated(degree: usize, spans: usize, f: impl Fn(f64) -> Vec3, round: fn(f64) -> f64) -> Outcome<Curve<3>> {
+    let knots = Knots::uniform(degree, spans, 0.0, 1.0)?;
     let sites = greville(&knots);
     let control = solved(&knots, &sites, DMatrix::from_fn(sites.len(), 3, |i, d| f(sites[i])[d]))?;
-    let control = control.row_iter().map(|r| [rounded(r[0]), rounded(r[1]), rounded(r[2])]).collect();
+    let control = control.row_iter().map(|r| [r[0], r[1], r[2]].map(round)).collect();
     Ok(Curve { knots, control })
 }
 
