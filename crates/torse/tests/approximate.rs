@@ -15,7 +15,7 @@ use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::bundle;
 use torse::io::model::ReadOptions;
-use torse::io::step::read::{read, read_with};
+use torse::io::step::read::read;
 use torse::io::words;
 use torse::patchwork::panel::{Panel, PanelForm, Patchwork};
 use torse::pipeline::approximate::{of_faces, ApproximateError, Options};
@@ -585,7 +585,7 @@ fn written_panels_are_read_back_face_by_face() {
     let files = bundle::files(o, &present(o), "2026-01-01T00:00:00").expect("files");
     let step = &files.iter().find(|f| f.0 == "panels.step").expect("panels.step").1;
     // The reader's chords are kept short enough for the area.
-    let back = read_with(step, &ReadOptions { chord_tolerance: Some(1e-5) }).expect("our own file");
+    let back = torse::read_with(step, &ReadOptions { chord_tolerance: Some(1e-5) }).expect("our own file");
     assert!(back.skipped.is_empty() && back.notes.is_empty(), "{:?} {:?}", back.skipped, back.notes);
     assert_eq!(back.faces.len(), o.patchwork().panels.len());
     for (face, (panel, pattern)) in back.faces.iter().zip(o.patchwork().panels.iter().zip(o.patterns())) {

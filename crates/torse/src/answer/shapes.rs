@@ -41,7 +41,7 @@ const NOISE: f64 = 1e-6;
 /// A part that is a chain of plane strips counts as a discrete torse, one plane per strip. Parts with fewer planes than
 /// a shape needs, and those with rulings without tangent plane, are left out.
 /// Panels that cover faces are left out: they are trimmed.
-pub fn shapes(answer: &Answer) -> Vec<Shape> {
+pub(crate) fn shapes(answer: &Answer) -> Vec<Shape> {
     let mut out = Vec::new();
     for part in &answer.parts {
         let range = part.first..part.first.saturating_add(part.count);

@@ -14,7 +14,7 @@ pub fn area_estimate(face: &Face) -> f64 {
 }
 
 /// What the absolute Gaussian curvature of a face adds up to, by the same quadrature: 4π on a whole sphere, 8π on a torus.
-pub fn total_curvature_estimate(face: &Face) -> f64 {
+pub(crate) fn total_curvature_estimate(face: &Face) -> f64 {
     let density = |u: f64, v: f64| {
         let jet = face.surface.jet(u, v);
         let normal = jet.normal();

@@ -77,7 +77,7 @@ pub struct FileBoundary {
 }
 
 /// The label of edges that are shorter than a point: no side has it.
-pub const VANISHED: u32 = u32::MAX;
+pub(crate) const VANISHED: u32 = u32::MAX;
 
 /// An edge of the file.
 #[derive(Clone, Debug, PartialEq)]

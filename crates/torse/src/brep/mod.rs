@@ -4,8 +4,8 @@
 //! Nothing is known here of developable surfaces or of panels.
 
 pub mod area;
-pub mod body;
-pub mod boundary_stretch;
+pub(crate) mod body;
+pub(crate) mod boundary_stretch;
 pub(crate) mod conic;
 pub mod face;
 pub mod free_curve;
@@ -24,7 +24,7 @@ pub(crate) mod rulings;
 pub mod space_curve;
 pub mod support_surface;
 pub(crate) mod swept;
-pub mod trim;
+pub(crate) mod trim;
 pub(crate) mod unroll;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::geom::Vec3;
 
 /// How far a surface that was read is from that of its file, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SurfaceDeviation {
+pub(crate) struct SurfaceDeviation {
     /// As seen at samples.
     pub estimate: f64,
     /// As proven; infinite where nothing is.
@@ -18,41 +18,41 @@ impl SurfaceDeviation {
     pub const NONE: Self = Self { estimate: 0.0, bound: 0.0 };
 
     /// Of one of which nothing is proven.
-    pub fn seen(estimate: f64) -> Self {
+    pub(crate) fn seen(estimate: f64) -> Self {
         Self { estimate, bound: if estimate == 0.0 { 0.0 } else { f64::INFINITY } }
     }
 
     /// Of one that is off by no more than `bound`.
-    pub fn proven(bound: f64) -> Self {
+    pub(crate) fn proven(bound: f64) -> Self {
         Self { estimate: bound, bound }
     }
 
     /// Of the offset of a surface, which is off from its exact offset by `self`. Of offsets of what is off itself nothing is
     /// known: their normals differ.
-    pub fn over(self, base: Self) -> Self {
+    pub(crate) fn over(self, base: Self) -> Self {
         let bound = if base.bound == 0.0 { self.bound } else { f64::INFINITY };
         Self { estimate: self.estimate + base.estimate, bound }
     }
 
     /// The worse of both.
-    pub fn max(self, o: Self) -> Self {
+    pub(crate) fn max(self, o: Self) -> Self {
         Self { estimate: self.estimate.max(o.estimate), bound: self.bound.max(o.bound) }
     }
 
     /// Of a surface that is farther off by no more than `bound`.
-    pub fn plus(self, bound: f64) -> Self {
+    pub(crate) fn plus(self, bound: f64) -> Self {
         Self { estimate: self.estimate + bound, bound: self.bound + bound }
     }
 
     /// In another unit.
-    pub fn scaled(self, by: f64) -> Self {
+    pub(crate) fn scaled(self, by: f64) -> Self {
         Self { estimate: self.estimate * by, bound: self.bound * by }
     }
 }
 
 /// A face as files describe it: a support and oriented boundary curves of space.
 #[derive(Clone, Debug)]
-pub struct RawFace {
+pub(crate) struct RawFace {
     /// Number of the entity in the file.
     pub entity: u64,
     /// Name in the file.
@@ -75,7 +75,7 @@ pub struct RawFace {
 
 /// Which part of a support belongs to a face.
 #[derive(Clone, Debug)]
-pub enum RawRegion {
+pub(crate) enum RawRegion {
     /// All of a bounded or closed surface.
     Whole,
     /// A rectangle of natural parameters, each from low to high.
@@ -86,7 +86,7 @@ pub enum RawRegion {
 
 /// A closed chain of edges, material on the left seen against the face's normal.
 #[derive(Clone, Debug, Default)]
-pub struct RawLoop {
+pub(crate) struct RawLoop {
     /// Edges in order.
     pub edges: Vec<RawEdge>,
     /// Whether the file calls it the outer one and its sense is not to be relied on.
@@ -95,7 +95,7 @@ pub struct RawLoop {
 
 /// One edge in the direction of its loop.
 #[derive(Clone, Debug)]
-pub struct RawEdge {
+pub(crate) struct RawEdge {
     /// Number of the edge in the file.
     pub entity: u64,
     /// Whether the loop uses the edge in its own direction.
@@ -111,7 +111,7 @@ pub struct RawEdge {
 
 /// A curve in the parameter plane, with the parameter of the curve in space that it belongs to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneTrace {
+pub(crate) struct PlaneTrace {
     /// The curve; third coordinate 0.
     pub curve: SpaceCurve,
     /// Factors from its coordinates to natural parameters of the support.
@@ -128,7 +128,7 @@ impl PlaneTrace {
 
 impl RawEdge {
     /// The edge run the other way.
-    pub fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         Self {
             entity: self.entity,
             forward: !self.forward,
@@ -141,7 +141,7 @@ impl RawEdge {
 
 impl RawLoop {
     /// The loop run the other way.
-    pub fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         Self { edges: self.edges.iter().rev().map(RawEdge::reversed).collect(), outer: self.outer }
     }
 }

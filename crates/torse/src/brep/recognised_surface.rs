@@ -79,7 +79,7 @@ impl RecognisedSurface {
 }
 
 /// Share of a face's extent within which its points must keep to a recognised surface: what ten printed digits lose, with a margin.
-pub const EXACT: f64 = 1e-7;
+pub(crate) const EXACT: f64 = 1e-7;
 /// Places per direction where recognised surfaces are compared with the surface.
 const PLACES: usize = 9;
 /// Rulings looked at on each span between knots.

@@ -303,7 +303,7 @@ impl TracedCurve {
 
 /// A piece of a curve in the direction of travel: `from` may exceed `to`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Arc {
+pub(crate) struct Arc {
     /// The curve.
     pub curve: SpaceCurve,
     /// Parameter at the start.
@@ -314,12 +314,12 @@ pub struct Arc {
 
 impl Arc {
     /// The same piece, travelled the other way.
-    pub fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         Self { curve: self.curve.clone(), from: self.to, to: self.from }
     }
 
     /// First and last point.
-    pub fn ends(&self) -> (Vec3, Vec3) {
+    pub(crate) fn ends(&self) -> (Vec3, Vec3) {
         (self.curve.point(self.from), self.curve.point(self.to))
     }
 }

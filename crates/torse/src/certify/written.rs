@@ -85,7 +85,7 @@ pub(crate) fn of<T>(read: Result<T, String>, compare: impl FnOnce(&T) -> Written
 }
 
 /// Compares the faces of a STEP file with the panels that were judged.
-pub fn panels(patchwork: &Patchwork, faces: &[WrittenFace]) -> WrittenCertificate {
+pub(crate) fn panels(patchwork: &Patchwork, faces: &[WrittenFace]) -> WrittenCertificate {
     if faces.len() != patchwork.panels.len() {
         let (found, wanted) = (faces.len(), patchwork.panels.len());
         return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Panels }.into()));
@@ -282,7 +282,7 @@ fn differences<const D: usize>(own: &Curve<D>, written: &Curve<D>, forward: bool
 }
 
 /// Compares the pieces of a drawing with the patterns that were judged.
-pub fn drawing(patterns: &[Pattern], pieces: &[WrittenPiece]) -> WrittenCertificate {
+pub(crate) fn drawing(patterns: &[Pattern], pieces: &[WrittenPiece]) -> WrittenCertificate {
     let drawn: Vec<&Pattern> = patterns.iter().filter(|p| !p.contours.is_empty()).collect();
     if drawn.len() != pieces.len() {
         let (found, wanted) = (pieces.len(), drawn.len());

@@ -18,7 +18,7 @@ pub struct Border {
 
 impl Border {
     /// Straight pieces in any order; those without a length are left out. `None` if nothing remains.
-    pub fn new(segments: Vec<[Vec3; 2]>) -> Option<Self> {
+    pub(crate) fn new(segments: Vec<[Vec3; 2]>) -> Option<Self> {
         let segments: Vec<[Vec3; 2]> =
             segments.into_iter().filter(|[p, q]| (q - p).norm() > 0.0 && (q - p).norm().is_finite()).collect();
         let tree = BoxTree::new(segments.len(), &|k| BBox::of(segments[k].iter()));
@@ -38,7 +38,7 @@ impl Border {
     }
 
     /// How far a place is from it, mm.
-    pub fn distance(&self, x: &Vec3) -> f64 {
+    pub(crate) fn distance(&self, x: &Vec3) -> f64 {
         self.nearest(x).map_or(f64::INFINITY, |n| (n.0 - x).norm())
     }
 }

@@ -1,6 +1,5 @@
 //! Laws of rows: slopes are those of the rows wherever they are asked, and what is asked of shapes does not depend on where they lie.
 
-use super::angle::Angle;
 use super::border::Border;
 use super::coplanarity::{Coplanarity, InPlane};
 use super::derivative_check::check_at;
@@ -36,7 +35,6 @@ fn difference(a: u32, b: u32) -> Stencil {
 fn blocks() -> Vec<Box<dyn Block>> {
     let d = difference;
     vec![
-        Box::new(Angle::new(&d(0, 1), &d(0, 2), 0.4)),
         Box::new(Distance::new(&d(0, 1), 0.7)),
         Box::new(Coplanarity::new(&d(0, 1), &d(0, 2), &d(0, 3))),
         Box::new(Fold::new(&d(0, 1), &d(2, 4), [&d(0, 3), &d(0, 5)])),

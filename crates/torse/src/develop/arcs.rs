@@ -9,7 +9,7 @@ use crate::patchwork::pattern::{Contour, ContourVertex};
 
 /// A line or arc of a chain; it ends where the next begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArcPiece {
+pub(crate) struct ArcPiece {
     /// Start.
     pub point: Vec2,
     /// tan(sweep/4), positive counter-clockwise, 0 for a line.
@@ -19,7 +19,7 @@ pub struct ArcPiece {
 }
 
 /// A curve with its derivative, on [0, 1].
-pub trait PlaneCurve {
+pub(crate) trait PlaneCurve {
     /// Point at `s`.
     fn place(&self, s: f64) -> Vec2;
     /// Derivative at `s`.

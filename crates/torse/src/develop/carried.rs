@@ -199,7 +199,7 @@ impl Target {
 
     /// Distance (mm) of a point from the part, or from the face that it covers.
     pub fn distance(&self, x: &Vec3) -> f64 {
-        self.ground.as_ref().map_or(&self.atlas, |g| &g.0).from_space(x).map_or(f64::INFINITY, |on| on.off)
+        self.ground.as_ref().map_or(&self.atlas, |g| &g.0).at_space(x).map_or(f64::INFINITY, |on| on.off)
     }
 
     /// A point as a cross of two lines on the pattern, as far as these are inside it, and its distance (mm) from the part; `None`

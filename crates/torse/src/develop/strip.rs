@@ -40,7 +40,7 @@ impl StripOptions {
     }
 
     /// Options of a job with a tolerance (mm) and the distances that were asked for between rulings and between marks (mm).
-    pub fn of_job(tolerance: f64, [ruling_spacing, mark_spacing]: [Option<f64>; 2], drawn: Drawn) -> Self {
+    pub(crate) fn of_job(tolerance: f64, [ruling_spacing, mark_spacing]: [Option<f64>; 2], drawn: Drawn) -> Self {
         let drawn = Drawn { bends: drawn.bends.of_job(tolerance), ..drawn };
         Self { ruling_spacing, mark_spacing, drawn, ..Self::new(CONTOUR_SHARE * tolerance) }
     }

@@ -25,7 +25,7 @@ pub fn panel(index: usize) -> Rgb {
 }
 
 /// The colour of what must not be cut; no panel and no deviation within its limits has it.
-pub const NOT_CERTIFIED: Rgb = [0.86, 0.16, 0.16];
+pub(crate) const NOT_CERTIFIED: Rgb = [0.86, 0.16, 0.16];
 
 /// The colour of the `index`-th panel, or that of what must not be cut.
 pub(crate) fn shown(index: usize, marked: bool) -> Rgb {
@@ -83,7 +83,7 @@ fn on_deviation_scale(share: f64) -> Rgb {
 
 /// Colour of a kind of developable, as they are told apart since \[W15, figure 4.18\]: light planes, green cylinders, red
 /// cones, blue tangent surfaces.
-pub fn kind(kind: PanelKind) -> Rgb {
+pub(crate) fn kind(kind: PanelKind) -> Rgb {
     match kind {
         PanelKind::Plane => oklch(0.93, 0.03, 95.0),
         PanelKind::Cylinder => oklch(0.80, 0.13, 150.0),

@@ -26,7 +26,7 @@ pub struct FieldMeaning {
 
 /// A value at a place of a strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Index of the strip.
     pub strip: usize,
     /// Parameter of the ruling.

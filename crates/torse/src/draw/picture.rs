@@ -180,7 +180,7 @@ pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: 
 }
 
 /// The flat patterns on the sheet with rulings, marks and names.
-pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
+pub(crate) fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     const HEIGHT: std::ops::RangeInclusive<f64> = 260.0..=2400.0;
     const FOOT: f64 = 46.0;
     let finite = |p: &&Vec2| p.x.is_finite() && p.y.is_finite();

@@ -27,7 +27,7 @@ impl PanelShape {
 }
 
 /// The words on everything that must not be cut, the same in every file and picture.
-pub const NOT_CERTIFIED: &str = "NOT CERTIFIED";
+pub(crate) const NOT_CERTIFIED: &str = "NOT CERTIFIED";
 
 /// A name, followed by [`NOT_CERTIFIED`] where that holds.
 pub(crate) fn titled(name: &str, marked: bool) -> String {

@@ -27,7 +27,7 @@ pub struct Forms {
 
 impl Forms {
     /// Principal curvatures, larger first, 1/mm.
-    pub fn principal(&self) -> [f64; 2] {
+    pub(crate) fn principal(&self) -> [f64; 2] {
         let [e, f, g] = self.first;
         let [l, m, n] = self.second;
         let det = (e * g - f * f).max(f64::MIN_POSITIVE);
@@ -51,7 +51,7 @@ pub struct StripPotential {
     pub merit: f64,
 }
 
-/// Knobs of [`strip_potential`].
+/// Knobs of [`strip_potentials`].
 #[derive(Clone, Debug)]
 pub struct StripPotentialOptions {
     /// Linear starts, evenly spread over the half circle; default 8.
@@ -108,7 +108,7 @@ struct ConditionRow {
 
 /// Best strip potential found over the samples of a region, for either sign; `None` if the region is too small or
 /// too flat to speak of strips. See [`strip_potentials`].
-pub fn strip_potential(
+pub(crate) fn strip_potential(
     samples: &[Forms],
     border: &[[f64; 2]],
     options: &StripPotentialOptions,

@@ -48,7 +48,7 @@ pub enum BundleError {
 /// Name of the file of panels for CAD.
 pub(crate) const PANELS: &str = "panels.step";
 /// Names of copies of the panels in other formats.
-pub const IGES: &str = "panels.igs";
+pub(crate) const IGES: &str = "panels.igs";
 /// See [`IGES`].
 pub(crate) const THREEDM: &str = "panels.3dm";
 /// How names of drawings of single parts begin.

@@ -29,14 +29,7 @@ pub enum ReadError {
 }
 
 /// The format of a file, by its first bytes; STEP where it is nothing else.
-///
-/// # Example
-/// ```
-/// use torse::io::cad::{format, Format};
-/// assert_eq!(format(include_bytes!("../../../../data/cone_holes.step")), Format::Step);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn format(bytes: &[u8]) -> Format {
+pub(crate) fn format(bytes: &[u8]) -> Format {
     recognised(bytes).unwrap_or(Format::Step)
 }
 

@@ -66,7 +66,7 @@ const TRIANGLES: u32 = 4;
 ///
 /// # Errors
 /// Vertices that are not finite, triangles with missing corners, more than 4 GB.
-pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
+pub(crate) fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
     let mut file = File::default();
     let grey = file.material("surface", SURFACE);
     let white = file.material("deviation", [1.0; 3]);

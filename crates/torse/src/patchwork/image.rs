@@ -81,7 +81,7 @@ pub struct MapStrip {
 
 /// A part of an edge and its map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EdgeImage {
+pub(crate) struct EdgeImage {
     /// Number of the face in its part.
     pub face: usize,
     /// The edge, homogeneous, mm.
@@ -100,7 +100,7 @@ pub struct EdgeImage {
 
 /// A line or arc drawn for parts of edges that follow each other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// Start.
     pub start: Vec2,
     /// End.
@@ -113,7 +113,7 @@ pub struct Stroke {
 
 impl Stroke {
     /// A line of which nothing is known.
-    pub fn unknown(start: Vec2, end: Vec2) -> Self {
+    pub(crate) fn unknown(start: Vec2, end: Vec2) -> Self {
         Self { start, end, bulge: 0.0, images: None }
     }
 }

@@ -63,7 +63,7 @@ pub struct WrittenStrip {
 
 /// A face of a STEP file on an exact surface, with one loop or several.
 #[derive(Clone, Debug)]
-pub struct WrittenExact {
+pub(crate) struct WrittenExact {
     /// Entity number.
     pub entity: u64,
     /// Name.

@@ -29,7 +29,7 @@ use crate::search::strips::cut::{lengths, refused};
 use crate::search::trims::{assess_trims, AssessedTrims, TRIM_AIM};
 use crate::torse::cone::part::ConeBody;
 use crate::torse::strip::Strip;
-pub use flat::counts;
+pub(crate) use flat::counts;
 use flat::strips_of;
 pub use options::ConesOptions;
 use std::time::Instant;

@@ -84,7 +84,7 @@ pub(crate) fn chord_parameters<const D: usize>(points: &[[f64; D]]) -> Vec<f64> 
 ///
 /// # Errors
 /// See [`LsqError`].
-pub fn fit<const D: usize>(points: &[[f64; D]], parameters: &[f64], knots: &Knots) -> Result<Fit<D>, LsqError> {
+pub(crate) fn fit<const D: usize>(points: &[[f64; D]], parameters: &[f64], knots: &Knots) -> Result<Fit<D>, LsqError> {
     check(points, parameters, knots)?;
     let (p, n) = (knots.degree(), knots.control_count());
     let (first, last) = (points[0], points[points.len() - 1]);

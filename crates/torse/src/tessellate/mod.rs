@@ -1,7 +1,7 @@
 //! Floor 6: triangles, for pictures and mesh files. Nothing is proven here.
 
 pub(crate) mod coverage;
-pub mod diagnostics;
+pub(crate) mod diagnostics;
 pub mod panel;
 pub mod strip;
 

@@ -91,7 +91,7 @@ pub fn mesh(strip: &Strip, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
 
 /// The mesh of a panel that covers no face but ends at an outline, over a grid as [`mesh`]; `values` are interpolated. The
 /// whole strip where its outline cannot be filled.
-pub fn trimmed_mesh(panel: &Panel, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
+pub(crate) fn trimmed_mesh(panel: &Panel, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
     let strip = &panel.strip;
     let corners = |runs: &Vec<Coedge>| -> Vec<[f64; 2]> {
         runs.iter().flat_map(|r| r.trim.control.iter().take(r.trim.control.len() - 1).copied()).collect()

@@ -267,7 +267,7 @@ fn least_norm(c: &[Vec<f64>; 3]) -> f64 {
 }
 
 /// A polynomial curve of space with weight 1.
-pub fn homogeneous(c: &Curve<3>) -> Curve<4> {
+pub(crate) fn homogeneous(c: &Curve<3>) -> Curve<4> {
     Curve { knots: c.knots.clone(), control: c.control.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect() }
 }
 

@@ -105,7 +105,7 @@ const PLACE: f64 = 1e-10;
 ///
 /// # Errors
 /// [`LoftError::Touch`] with the place; [`LoftError::OneLine`].
-pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
+pub(crate) fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
     const POINTS: usize = 200;
     let (p, q) = (a.samples(POINTS), b.samples(POINTS));
     let all = || p.iter().chain(&q);

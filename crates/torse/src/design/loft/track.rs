@@ -167,7 +167,7 @@ impl<'a> Track<'a> {
 }
 
 /// Point and tangent on a segment.
-pub fn line_element(rail: &Rail, segment: &Segment, t: f64) -> LineElement {
+pub(crate) fn line_element(rail: &Rail, segment: &Segment, t: f64) -> LineElement {
     match segment {
         Segment::Piece(k) => {
             let c = &rail.pieces[*k];

@@ -83,7 +83,7 @@ impl Default for BendSpacing {
 }
 
 /// Lines drawn and how the sheet bends about each.
-pub type Lines = (Vec<[Vec2; 2]>, Vec<Bend>);
+pub(crate) type Lines = (Vec<[Vec2; 2]>, Vec<Bend>);
 
 /// Height (mm) of the arc over the facets at a kink, with the greater of its radii.
 pub(crate) fn sagitta(bend: &Bend) -> f64 {
@@ -115,7 +115,7 @@ const LOWER: f64 = 0.98;
 
 /// The tangent plane in a place of the sheet, as seen from the side of the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
+pub(crate) struct Plane {
     /// Unit normal towards the eye.
     pub normal: Vec3,
     /// Unit vector square to the ruling, onwards.
@@ -125,7 +125,7 @@ pub struct Plane {
 impl Plane {
     /// The plane of a ruled patch at `(t, r)`; `side` as in [`super::map::Development::new`]. `None` where it is not
     /// regular.
-    pub fn of(patch: &Surface, t: f64, r: f64, side: f64) -> Option<Self> {
+    pub(crate) fn of(patch: &Surface, t: f64, r: f64, side: f64) -> Option<Self> {
         let j = patch.jet(t, r);
         let normal = (j.dv.cross(&j.du) * side).try_normalize(0.0)?;
         let along = j.dv.try_normalize(0.0)?;
@@ -133,7 +133,7 @@ impl Plane {
     }
 
     /// Turn of the sheet (rad) on the way to another plane; positive towards the eye.
-    pub fn turn(&self, other: &Self) -> f64 {
+    pub(crate) fn turn(&self, other: &Self) -> f64 {
         let angle = self.normal.angle(&other.normal);
         if (other.normal - self.normal).dot(&(self.across + other.across)) > 0.0 {
             -angle

@@ -216,7 +216,7 @@ impl ArtworkMap {
                 break;
             }
             let atlas = &self.parts[part].atlas;
-            let Some(on) = atlas.from_space(x) else { continue };
+            let Some(on) = atlas.at_space(x) else { continue };
             if best.as_ref().is_none_or(|b| on.off < b.off) {
                 let q = atlas.flat(&on);
                 let beyond = atlas.along(x, &on) > self.hair(part);
@@ -230,7 +230,7 @@ impl ArtworkMap {
         let off = |part: usize| self.parts[part].outline.off(q);
         let (part, _) = self.drawn.nearest(&Vec3::new(q.x, q.y, 0.0), &|part| off(part).powi(2))?;
         let atlas = &self.parts[part].atlas;
-        let on = atlas.from_flat(q)?;
+        let on = atlas.at_flat(q)?;
         let off = off(part).max(on.off);
         // Outlines as drawn run a little beside the edges of panels.
         let beyond = off.max(atlas.over(&on)) > self.hair(part);

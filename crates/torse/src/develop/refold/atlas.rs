@@ -29,7 +29,7 @@ use std::sync::{Arc, OnceLock};
 
 /// A panel as its file has it: a ruled patch and the region of its parameter plane.
 #[derive(Clone, Debug)]
-pub struct PanelPatch {
+pub(crate) struct PanelPatch {
     /// Name.
     pub name: String,
     /// The patch, mm.
@@ -51,7 +51,7 @@ enum Map {
 
 /// A panel with its place in the plane.
 #[derive(Clone, Debug)]
-pub struct PlacedPanel {
+pub(crate) struct PlacedPanel {
     /// The panel.
     pub panel: PanelPatch,
     map: Map,
@@ -127,7 +127,7 @@ impl BorderPiece {
 
 /// The panels of a part with their places in the plane.
 #[derive(Clone, Debug)]
-pub struct Atlas {
+pub(crate) struct Atlas {
     /// The panels.
     pub panels: Vec<PlacedPanel>,
     mirrored: bool,
@@ -141,7 +141,7 @@ pub struct Atlas {
 
 /// A place on a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OnPanel {
+pub(crate) struct OnPanel {
     /// Index of the panel in the atlas.
     pub panel: usize,
     /// Parameters on its patch.
@@ -356,7 +356,7 @@ impl Atlas {
     ///
     /// # Errors
     /// Patches that are not regular, panels that share no ruling with those before them.
-    pub fn developed(panels: Vec<PanelPatch>, beside: f64) -> Result<Self, AtlasError> {
+    pub(crate) fn developed(panels: Vec<PanelPatch>, beside: f64) -> Result<Self, AtlasError> {
         let mut placed: Vec<PlacedPanel> = Vec::new();
         let size = panels.iter().map(|p| p.surface.bbox().diagonal()).fold(0.0, f64::max);
         for panel in panels {
@@ -401,7 +401,7 @@ impl Atlas {
     ///
     /// # Errors
     /// Faces that cannot be laid beside each other.
-    pub fn unfolded(
+    pub(crate) fn unfolded(
         faces: &[Face],
         k: &KFactor,
         (thickness, side): (Vec<f64>, Option<SheetSide>),
@@ -473,17 +473,17 @@ impl Atlas {
     }
 
     /// Place in the drawing of a place on a panel.
-    pub fn flat(&self, on: &OnPanel) -> Vec2 {
+    pub(crate) fn flat(&self, on: &OnPanel) -> Vec2 {
         self.moved(&self.panels[on.panel].own_flat(on.uv))
     }
 
     /// Place in space of a place on a panel.
-    pub fn space(&self, on: &OnPanel) -> Vec3 {
+    pub(crate) fn space(&self, on: &OnPanel) -> Vec3 {
         self.panels[on.panel].panel.surface.point(on.uv[0], on.uv[1])
     }
 
     /// The place on the panels of a point of the drawing: on the panel whose region holds it, else on the nearest one.
-    pub fn from_flat(&self, q: &Vec2) -> Option<OnPanel> {
+    pub(crate) fn at_flat(&self, q: &Vec2) -> Option<OnPanel> {
         let own = self.moved_back(q);
         let order = |s: &PlacedPanel| s.outline.get_or_init(|| Outline::of(&s.flat)).off(&own);
         let mut near: Vec<(f64, usize)> = self.panels.iter().map(order).zip(0..).collect();
@@ -523,7 +523,7 @@ impl Atlas {
     }
 
     /// The nearest place on the panels of a point in space, within their edges.
-    pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
+    pub(crate) fn at_space(&self, x: &Vec3) -> Option<OnPanel> {
         self.within(x, f64::INFINITY)
     }
 
@@ -567,7 +567,7 @@ impl Atlas {
     ///
     /// # Errors
     /// Outlines that do not fit in any way.
-    pub fn aligned(&self, part: &FlatPart) -> Result<Vec<Self>, AtlasError> {
+    pub(crate) fn aligned(&self, part: &FlatPart) -> Result<Vec<Self>, AtlasError> {
         let size = part.size();
         let own: Vec<Vec<Vec2>> = self.panels.iter().flat_map(|s| s.flat.clone()).collect();
         let there = Moments::of(&part.loops, &vec![1.0; part.loops.len()]);

@@ -92,7 +92,7 @@ pub(crate) fn best<'a>(part: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -
 /// Lays samples of a refolded part onto its panels. `None` where none is on both.
 fn matched(samples: Vec<Vec2>, refolded: &Refolded, atlas: &Atlas) -> Option<Matched> {
     let pair = |q: Vec2| {
-        let (place, on) = (refolded.locate(&q)?, atlas.from_flat(&q)?);
+        let (place, on) = (refolded.locate(&q)?, atlas.at_flat(&q)?);
         Some((q, refolded.frame(&place).0, on, atlas.space(&on)))
     };
     let pairs: Vec<Pair> =

@@ -44,7 +44,7 @@ pub struct SeamBevel {
 pub(crate) const PARTS: usize = 12;
 
 /// Bevels of all seams between panels of faces; sampled.
-pub fn bevels(patchwork: &Patchwork) -> Vec<SeamBevel> {
+pub(crate) fn bevels(patchwork: &Patchwork) -> Vec<SeamBevel> {
     let out = outward(patchwork);
     let of = |s: &Seam| {
         let sign = |side: &SeamSide| side.of.face().and_then(|f| out.get(f)).copied().unwrap_or(1.0);

@@ -156,11 +156,6 @@ impl<'a> Laid<'a> {
         self.panels.len()
     }
 
-    /// Whether there is no panel.
-    pub fn is_empty(&self) -> bool {
-        self.panels.is_empty()
-    }
-
     /// Size of the part, mm.
     pub fn size(&self) -> f64 {
         self.size
@@ -331,7 +326,7 @@ mod tests {
             let (patchwork, pattern) = pattern_of(vec![cone("a", 0.0, 1.0), cone("b", 1.0, 1.7)], side);
             let pattern = if turned { pattern.turned_over() } else { pattern };
             let laid = Laid::of(&patchwork, &part_of(2), &pattern).expect("maps");
-            assert!(laid.len() == 2 && !laid.is_empty());
+            assert_eq!(laid.len(), 2);
             for (panel, t, s) in [(0, 0.3, 0.2), (1, 0.0, 0.5), (1, 0.77, 0.9)] {
                 let spot = Spot { panel, t, s };
                 let found = laid.spot(&laid.flat(&spot)).expect("a place");

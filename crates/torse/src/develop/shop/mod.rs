@@ -3,7 +3,7 @@
 
 pub mod bevel;
 pub mod facets;
-pub mod laid;
+pub(crate) mod laid;
 pub(crate) mod material;
 pub(crate) mod neutral;
 pub mod offsets;

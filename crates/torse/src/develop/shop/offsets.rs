@@ -69,7 +69,11 @@ const LEAST_SHARE: f64 = 1e-3;
 ///
 /// # Errors
 /// A place where the offset is not regular, or where the panel has no normal.
-pub fn offset(panel: &Panel, distance: f64, recognised: Option<&RecognisedSurface>) -> Result<OffsetPanel, NoOffset> {
+pub(crate) fn offset(
+    panel: &Panel,
+    distance: f64,
+    recognised: Option<&RecognisedSurface>,
+) -> Result<OffsetPanel, NoOffset> {
     let patch = &panel.strip.patch;
     let mut edge_error = 0.0_f64;
     let mut loops = Vec::new();

@@ -39,7 +39,7 @@ pub(in crate::develop) fn outlines(pattern: &Pattern, size: f64) -> Vec<Vec<Vec2
 /// faces that have maps of their own along each of its rolled faces.
 ///
 /// *Input*: a part with its maps, seen from the side of its pattern. *Measured, not proven.*
-pub fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
+pub(crate) fn roll_table(laid: &Laid, pattern: &Pattern) -> Vec<RollStation> {
     if !laid.is_of_faces() {
         return along(laid, 0..laid.len(), &outlines(pattern, laid.size()), up(laid, pattern));
     }

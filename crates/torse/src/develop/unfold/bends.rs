@@ -98,7 +98,7 @@ const ONE_LENGTH: f64 = 1e-4;
 ///
 /// Rolled faces are kinked as `spacing` says, or have a line at every step of turn, and more where the part could not be bent back
 /// from these. Folds along curves are drawn as chords within a share of the `tolerance` (mm).
-pub fn bends(
+pub(crate) fn bends(
     body: &Body,
     piece: &UnfoldedPiece,
     thickness: f64,

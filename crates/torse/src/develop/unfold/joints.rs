@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 /// A place on one side of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgePlace {
+pub(crate) struct EdgePlace {
     /// In the plane.
     pub point: Vec2,
     /// Unit vector into the part.
@@ -21,7 +21,7 @@ pub struct EdgePlace {
 
 /// An edge that is on the outlines of two parts, or twice on that of one which is cut open there.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SharedEdge {
+pub(crate) struct SharedEdge {
     /// Numbers of the parts on both sides; twice the same where a part is cut open.
     pub parts: [usize; 2],
     /// Length of each side in the plane, mm.

@@ -40,7 +40,7 @@ pub struct SheetPart {
 
 /// A flat part.
 #[derive(Clone, Debug)]
-pub struct FlatPart {
+pub(crate) struct FlatPart {
     /// The drawing, seen from outside the skin that was unfolded; `panel` is for the caller.
     pub pattern: Pattern,
     /// Thickness and bends.
@@ -72,7 +72,7 @@ pub struct FlatPart {
 impl FlatPart {
     /// A face of the part, among the faces given, as it looks out of the sheet, whichever way its file says: the side whose flat image is
     /// drawn.
-    pub fn outside_of(&self, k: usize, faces: &[Face]) -> Face {
+    pub(crate) fn outside_of(&self, k: usize, faces: &[Face]) -> Face {
         let face = &faces[self.faces[k]];
         if self.sheet.turned.get(k) == Some(&true) {
             turned_over(face)
@@ -82,7 +82,7 @@ impl FlatPart {
     }
 
     /// Its faces where they lie, which it has no more after that.
-    pub fn take_faces(&mut self) -> Vec<PlacedFace> {
+    pub(crate) fn take_faces(&mut self) -> Vec<PlacedFace> {
         let (places, regions) = (std::mem::take(&mut self.places), std::mem::take(&mut self.regions));
         places.into_iter().zip(regions).map(|(placed, region)| PlacedFace { placed, region }).collect()
     }
@@ -90,7 +90,7 @@ impl FlatPart {
 
 /// The parts of one body.
 #[derive(Clone, Debug, Default)]
-pub struct BodyParts {
+pub(crate) struct BodyParts {
     /// The parts; empty if there are none, then `left` says why.
     pub parts: Vec<FlatPart>,
     /// Faces left out with the reason: index among the faces given, `None` for the body as a whole.
@@ -99,7 +99,7 @@ pub struct BodyParts {
 
 /// How bodies are laid flat.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PartOptions {
+pub(crate) struct PartOptions {
     /// Distance (mm) between contours drawn and exact outlines; no default.
     pub tolerance: f64,
     /// Where the neutral fibre lies; default 0.44 (ANSI).
@@ -116,7 +116,7 @@ pub struct PartOptions {
 
 impl PartOptions {
     /// Defaults with a tolerance (mm).
-    pub fn new(tolerance: f64) -> Self {
+    pub(crate) fn new(tolerance: f64) -> Self {
         Self {
             tolerance,
             k: KFactor::default(),
@@ -133,7 +133,7 @@ impl PartOptions {
 /// *Input*: faces of one solid or sheet, mm. *Guarantee*: every face is in a part, an edge of the sheet, or named in
 /// `left`. Contours are closed, the outer one first and counter-clockwise. *Measured, not proven*: that surfaces are
 /// exact, that parts do not overlap themselves.
-pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyParts {
+pub(crate) fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyParts {
     let mut out = BodyParts::default();
     let given = Body::new(faces.to_vec());
     let turned = oriented(&given);

@@ -7,7 +7,7 @@ use crate::geom::Vec2;
 
 /// Sampled loops of a face in the plane.
 #[derive(Clone, Debug, Default)]
-pub struct FlatRegion {
+pub(crate) struct FlatRegion {
     /// Closed polygons; the outer one counter-clockwise, holes clockwise.
     pub loops: Vec<Vec<Vec2>>,
     /// Corner of the box around them with the smallest coordinates.
@@ -69,7 +69,7 @@ const SHORT: f64 = 1e-6;
 
 impl FlatRegion {
     /// The region of a face of a body under its chart.
-    pub fn of(body: &Body, face: usize, chart: &Chart) -> Self {
+    pub(crate) fn of(body: &Body, face: usize, chart: &Chart) -> Self {
         let mut loops: Vec<Vec<Vec2>> = Vec::new();
         for h in body.of_face(face) {
             let half = &body.halves[h];
@@ -86,28 +86,28 @@ impl FlatRegion {
     }
 
     /// The region inside loops.
-    pub fn from_loops(loops: Vec<Vec<Vec2>>) -> Self {
+    pub(crate) fn from_loops(loops: Vec<Vec<Vec2>>) -> Self {
         let (min, max) = bounds(&loops);
         Self { loops, min, max }
     }
 
     /// The region moved.
-    pub fn moved(&self, m: &Motion) -> Self {
+    pub(crate) fn moved(&self, m: &Motion) -> Self {
         Self::from_loops(self.loops.iter().map(|l| l.iter().map(|p| m.apply(p)).collect()).collect())
     }
 
     /// Area, mm²; negative if the loops run the wrong way.
-    pub fn area(&self) -> f64 {
+    pub(crate) fn area(&self) -> f64 {
         self.loops.iter().map(|l| area(l)).sum()
     }
 
     /// Whether a point lies inside.
-    pub fn contains(&self, x: &Vec2) -> bool {
+    pub(crate) fn contains(&self, x: &Vec2) -> bool {
         inside(&self.loops, x)
     }
 
     /// The stretches inside of a line through `at` along the unit vector `way`.
-    pub fn line(&self, at: &Vec2, way: &Vec2) -> Vec<[Vec2; 2]> {
+    pub(crate) fn line(&self, at: &Vec2, way: &Vec2) -> Vec<[Vec2; 2]> {
         let cuts = crossings(&self.loops, at, way);
         let short = SHORT * (self.max - self.min).norm();
         let long = cuts.chunks_exact(2).filter(|c| c[1] - c[0] > short);
@@ -115,12 +115,12 @@ impl FlatRegion {
     }
 
     /// The stretches inside of a ruling.
-    pub fn own_lines(&self, ruling: &FlatRuling) -> Vec<[Vec2; 2]> {
+    pub(crate) fn own_lines(&self, ruling: &FlatRuling) -> Vec<[Vec2; 2]> {
         self.line(&ruling.at, &ruling.way).into_iter().filter_map(|l| ruling.on_own_side(l)).collect()
     }
 
     /// Points inside, spread over the region: at least one unless it has no area.
-    pub fn inner_points(&self) -> Vec<Vec2> {
+    pub(crate) fn inner_points(&self) -> Vec<Vec2> {
         /// Heights of lines, irrational shares so that symmetric shapes are not met at their corners.
         const HEIGHTS: [f64; 5] = [0.493_1, 0.171_3, 0.829_7, 0.037_9, 0.962_3];
         let mut out = Vec::new();
@@ -134,7 +134,7 @@ impl FlatRegion {
     }
 
     /// Whether this region and another overlap by more than `depth` (mm), as far as samples tell.
-    pub fn overlaps(&self, other: &Self, depth: f64) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self, depth: f64) -> bool {
         let apart = |k: usize| self.max[k] <= other.min[k] + depth || other.max[k] <= self.min[k] + depth;
         if apart(0) || apart(1) {
             return false;

@@ -43,7 +43,7 @@ impl Joins {
 
 /// What unfolding is asked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UnfoldOptions {
+pub(crate) struct UnfoldOptions {
     /// Where the neutral fibre lies; default 0.44 (ANSI).
     pub k: KFactor,
     /// Distance (mm) allowed between contours drawn and exact outlines; no default.
@@ -58,7 +58,7 @@ pub struct UnfoldOptions {
 
 /// A face in the plane.
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub(crate) struct Placed {
     /// Index of the face in the body.
     pub face: usize,
     /// Its own map.
@@ -69,8 +69,6 @@ pub struct Placed {
     pub region: FlatRegion,
     /// Steps from the root of the tree.
     pub steps: usize,
-    /// The run of the face before by which it is joined.
-    pub by: Option<usize>,
     /// K used for it (share of the thickness) if it is bent about one axis.
     pub k: f64,
     /// Radius (mm) of a cylinder, and that of the inside of its sheet.
@@ -87,7 +85,7 @@ pub struct Placed {
 
 /// A sharp bend between two faces of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fold {
+pub(crate) struct Fold {
     /// A run along it.
     pub half: usize,
     /// How the faces meet.
@@ -113,7 +111,7 @@ pub enum CutReason {
 
 /// An edge between two skin faces that is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
+pub(crate) struct Cut {
     /// A run along it.
     pub half: usize,
     /// Why.
@@ -122,7 +120,7 @@ pub struct Cut {
 
 /// One piece of the plane.
 #[derive(Clone, Debug, Default)]
-pub struct UnfoldedPiece {
+pub(crate) struct UnfoldedPiece {
     /// Its faces; the first is the root.
     pub faces: Vec<Placed>,
     /// Runs (both sides) that lie inside the piece and are not drawn.
@@ -135,12 +133,12 @@ pub struct UnfoldedPiece {
 
 impl UnfoldedPiece {
     /// The placed face of a body's face.
-    pub fn placed(&self, face: usize) -> Option<&Placed> {
+    pub(crate) fn placed(&self, face: usize) -> Option<&Placed> {
         self.faces.iter().find(|p| p.face == face)
     }
 
     /// Place of a run's point in the piece.
-    pub fn place(&self, body: &Body, half: usize, s: f64) -> Vec2 {
+    pub(crate) fn place(&self, body: &Body, half: usize, s: f64) -> Vec2 {
         let h = &body.halves[half];
         let (x, uv) = h.stretch.at(body.faces[h.face], s);
         self.placed(h.face).map_or_else(Vec2::zeros, |p| p.motion.apply(&p.chart.flat(&x, Some(uv))))
@@ -198,7 +196,7 @@ pub(crate) fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (V
     while let Some(root) = areas(&ready) {
         let mut piece = UnfoldedPiece::default();
         if let Some(r) = ready.remove(&root) {
-            piece.faces.push(r.placed(root, Motion::identity(), 0, None));
+            piece.faces.push(r.placed(root, Motion::identity(), 0));
         }
         grow(body, &mut piece, &mut ready, &mut cuts, options);
         close(body, &mut piece, &mut cuts, options);
@@ -257,10 +255,10 @@ fn middle(body: &Body, face: usize) -> Vec3 {
 }
 
 impl Ready {
-    fn placed(self, face: usize, motion: Motion, steps: usize, by: Option<usize>) -> Placed {
+    fn placed(self, face: usize, motion: Motion, steps: usize) -> Placed {
         let region = self.region.moved(&motion);
         let Self { chart, k, radius, inside_radius, thickness, fibre, is_given, .. } = self;
-        Placed { face, chart, motion, region, steps, by, k, radius, inside_radius, thickness, fibre, is_given }
+        Placed { face, chart, motion, region, steps, k, radius, inside_radius, thickness, fibre, is_given }
     }
 }
 
@@ -366,7 +364,7 @@ fn grow(
             piece.folds.push(Fold { half: h, meeting, allowance, k });
         }
         if let Some(r) = ready.remove(&g) {
-            piece.faces.push(r.placed(g, motion, steps, Some(h)));
+            piece.faces.push(r.placed(g, motion, steps));
         }
     }
 }

@@ -2,8 +2,8 @@
 //! rulings and lengths that the points cover. Says nothing about how near the points are; the judge does.
 
 mod error;
-pub mod estimates;
-pub mod extent;
+pub(crate) mod estimates;
+pub(crate) mod extent;
 pub(crate) mod facets;
 mod grid;
 mod lines;

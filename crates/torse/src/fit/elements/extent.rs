@@ -21,7 +21,7 @@ use crate::torse::strip::Strip;
 ///
 /// # Errors
 /// See [`ExtentError`].
-pub fn strip(name: &str, fit: &Fit, elements: &[ContactElement]) -> Result<Strip, ExtentError> {
+pub(crate) fn strip(name: &str, fit: &Fit, elements: &[ContactElement]) -> Result<Strip, ExtentError> {
     within(name, fit, elements, true).or_else(|_| within(name, fit, elements, false))
 }
 

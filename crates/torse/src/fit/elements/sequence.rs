@@ -27,7 +27,7 @@ use crate::torse::dual::{graph_in, plane_through, DualCurve};
 use crate::torse::form::{DualTorse, PanelKind, Torse};
 use crate::torse::zone::RegressionLimits;
 
-/// Options of [`sequence_pieces`].
+/// How a sequence of torses is fitted to elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceOptions {
     /// Largest distance of a plane over its region, and of a ruling, mm.
@@ -53,14 +53,14 @@ impl SequenceOptions {
     }
 
     /// Whether distances at exact feet may move fits.
-    pub fn polishes(&self) -> bool {
+    pub(crate) fn polishes(&self) -> bool {
         !self.fix_ends && self.smoothing <= FAINT
     }
 }
 
 /// A run of the sequence with its torses.
 #[derive(Clone, Debug)]
-pub struct SequencePiece {
+pub(crate) struct SequencePiece {
     /// Elements that belong to it; neighbouring pieces share one.
     pub range: std::ops::Range<usize>,
     /// Torses within the tolerance of the elements as far as samples tell, the nearest first; empty where nothing fits.
@@ -75,7 +75,7 @@ pub(crate) const FEWEST: usize = 4;
 /// Torses for the runs of a sequence, greedily as long as can be. Every element belongs to a piece.
 ///
 /// *Input*: usable elements, neighbours oriented alike.
-pub fn sequence_pieces(elements: &[ContactElement], options: &SequenceOptions) -> Vec<SequencePiece> {
+pub(crate) fn sequence_pieces(elements: &[ContactElement], options: &SequenceOptions) -> Vec<SequencePiece> {
     let mut out: Vec<SequencePiece> = Vec::new();
     for (range, hopeless) in stretches(elements, options) {
         if hopeless {
@@ -149,7 +149,7 @@ fn greedy(
 /// Torses within the tolerance of all elements, the nearest first; empty where nothing fits.
 ///
 /// *Input*: as for [`sequence_pieces`].
-pub fn torses(elements: &[ContactElement], options: &SequenceOptions) -> Vec<Fit> {
+pub(crate) fn torses(elements: &[ContactElement], options: &SequenceOptions) -> Vec<Fit> {
     let mut out = Vec::new();
     let samples = samples(elements);
     let rulings = elements.iter().all(ContactElement::has_ruling);

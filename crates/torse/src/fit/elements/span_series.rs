@@ -131,11 +131,11 @@ impl PlaneSeries {
     }
 
     /// Whether fits may be polished: the elements are rulings, and no option stands against it.
-    pub fn polishes(&self) -> bool {
+    pub(crate) fn polishes(&self) -> bool {
         self.polishes && self.samples.is_some()
     }
 
-    /// The torse over so many spans, as it comes or, where it [may be](Self::polishes), polished until it is within a
+    /// The torse over so many spans, as it comes or, where it may be, polished until it is within a
     /// distance (mm) of points on the rulings.
     pub fn fit(&self, spans: usize, polish: Option<f64>) -> Option<Fit> {
         let knots = Knots::clamped(DEGREE, &self.bending.breaks(spans.max(1))).ok()?;

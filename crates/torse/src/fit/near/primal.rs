@@ -53,7 +53,7 @@ impl PrimalOptions {
     }
 
     /// The same with more spans of the profile, of the rulings' slope as many more in proportion, and more samples.
-    pub fn with_spans(&self, profile_spans: usize) -> Self {
+    pub(crate) fn with_spans(&self, profile_spans: usize) -> Self {
         let more = profile_spans as f64 / self.profile_spans.max(1) as f64;
         Self {
             profile_spans,

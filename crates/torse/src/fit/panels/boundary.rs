@@ -7,7 +7,7 @@ mod borders;
 mod creases;
 mod feet;
 mod path;
-pub mod ruled;
+pub(crate) mod ruled;
 
 use crate::num::hash::{HashMap, HashSet};
 use crate::num::parallel;

@@ -40,7 +40,7 @@ pub enum ForbiddenZone {
 }
 
 /// The interval of x in which the ruling t of a surface is out of bounds; `None` where it is free.
-pub type Forbidden<'a> = dyn Fn(&DualCurve, f64) -> Option<(f64, f64)> + 'a;
+pub(crate) type Forbidden<'a> = dyn Fn(&DualCurve, f64) -> Option<(f64, f64)> + 'a;
 
 /// Options of [`regression_free`].
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -94,7 +94,7 @@ impl Family {
 
 /// A point of a region with its straightest direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Parameters.
     pub uv: [f64; 2],
     /// Place in space, mm.

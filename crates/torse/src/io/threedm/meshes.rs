@@ -34,7 +34,7 @@ pub struct Meshes {
 
 impl Meshes {
     /// Points and triangles: quadrilaterals are cut into two about their first corner.
-    pub fn into_cloud(self) -> Cloud {
+    pub(crate) fn into_cloud(self) -> Cloud {
         let halves = |q: &[u32; 4]| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]];
         let triangles = |q: &[u32; 4]| halves(q).into_iter().take(if q[2] == q[3] { 1 } else { 2 });
         Cloud { triangles: self.faces.iter().flat_map(triangles).collect(), points: self.points }

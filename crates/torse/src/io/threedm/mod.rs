@@ -2,7 +2,7 @@
 //!
 //! An archive is a tree of chunks; objects that cannot be read cost themselves and nothing more, and every face that is
 //! lost is named with its object and the reason. Knows the format; the geometry of trimming is
-//! [`crate::brep::trim`]'s.
+//! `brep::trim`'s.
 
 mod archive;
 mod beside;
@@ -38,16 +38,8 @@ use crate::num::parallel;
 use std::collections::{HashMap, HashSet};
 
 /// Whether bytes begin as an archive of Rhino does, of whatever version.
-pub fn recognises(bytes: &[u8]) -> bool {
+pub(crate) fn recognises(bytes: &[u8]) -> bool {
     bytes.starts_with(archive::MAGIC)
-}
-
-/// Reads an archive with default options; see [`read_with`].
-///
-/// # Errors
-/// See [`ReadError`].
-pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
-    read_with(bytes, &ReadOptions::default())
 }
 
 /// Reads an archive of Rhino.
@@ -63,7 +55,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
 ///
 /// # Errors
 /// See [`ReadError`]: only where no face at all can be used, or where the tables of the file are damaged.
-pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
+pub(crate) fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
     let archive = archive::archive(bytes)?;
     let mut notes = archive.notes.clone();
     if archive.unit.name.is_empty() {

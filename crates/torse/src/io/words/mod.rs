@@ -15,7 +15,7 @@ use std::collections::HashSet;
 const TOLD: usize = 4;
 
 /// What a claim is about, in lower case; `curves` are the names of the given curves.
-pub fn name(claim: &Claim, curves: &[String]) -> String {
+pub(crate) fn name(claim: &Claim, curves: &[String]) -> String {
     let curve = |k: usize| curves.get(k).map_or_else(|| format!("curve {}", k + 1), Clone::clone);
     let proven = claim.evidence() == Evidence::Proven;
     match claim.what() {
@@ -199,7 +199,7 @@ fn counted_id(counted: Counted) -> &'static str {
 }
 
 /// How a job ended, for programs.
-pub fn status(status: Status) -> &'static str {
+pub(crate) fn status(status: Status) -> &'static str {
     match status {
         Status::Certified => "certified",
         Status::Uncertified => "uncertified",
@@ -207,7 +207,7 @@ pub fn status(status: Status) -> &'static str {
 }
 
 /// The unit of what is claimed; empty for plain numbers.
-pub fn unit(what: What) -> &'static str {
+pub(crate) fn unit(what: What) -> &'static str {
     match what.unit() {
         Unit::Millimetre => "mm",
         Unit::Degree => "°",

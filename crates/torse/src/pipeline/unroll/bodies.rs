@@ -56,12 +56,12 @@ pub(super) fn flat_parts_of(
     }
     let bodies = bodies_of(faces, options.tolerance, options.surfaces);
     let asked = PartOptions {
-        tolerance: options.tolerance,
         k: options.k.clone(),
         surfaces: options.surfaces,
         sheet: options.sheet.clone(),
         spacing: BendSpacing { step: options.bend_step, facets: options.facets, ..BendSpacing::default() },
         joins: options.joins.clone(),
+        ..PartOptions::new(options.tolerance)
     };
     let names = names(faces, &bodies);
     let count = AtomicUsize::new(0);

@@ -83,7 +83,11 @@ impl Cover {
     ///
     /// # Errors
     /// Trim loops that cross or enclose nothing.
-    pub fn on_lines(face: &Face, mut lines_u: Vec<f64>, mut lines_v: Vec<f64>) -> Result<Self, TriangulateError> {
+    pub(crate) fn on_lines(
+        face: &Face,
+        mut lines_u: Vec<f64>,
+        mut lines_v: Vec<f64>,
+    ) -> Result<Self, TriangulateError> {
         let s = &face.surface;
         for (lines, knots) in [(&mut lines_u, s.knots_u.breaks()), (&mut lines_v, s.knots_v.breaks())] {
             if let (Some(&lo), Some(&hi)) = (lines.first(), lines.last()) {
@@ -140,7 +144,7 @@ impl Cover {
     }
 
     /// Evaluates the surface at new vertices.
-    pub fn update(&mut self) {
+    pub(crate) fn update(&mut self) {
         for v in self.jets.len()..self.partition.vertices.len() {
             let [u, w] = self.partition.vertices[v];
             let jet = self.face.surface.jet(u, w);
@@ -149,13 +153,13 @@ impl Cover {
     }
 
     /// Cuts a label; see [`Partition::cut`].
-    pub fn cut(&mut self, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
+    pub(crate) fn cut(&mut self, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
         self.partition.cut(label, positive, value);
         self.update();
     }
 
     /// Area of triangles in space by their corners, mm².
-    pub fn triangle_area(&self, t: usize) -> f64 {
+    pub(crate) fn triangle_area(&self, t: usize) -> f64 {
         let [a, b, c] = self.partition.triangles[t].map(|v| self.point(v));
         0.5 * (b - a).cross(&(c - a)).norm()
     }

@@ -24,7 +24,7 @@ pub struct CoverOptions {
 
 impl CoverOptions {
     /// Any number of panels within a tolerance (mm), without limits, laid freely.
-    pub fn new(tolerance: f64) -> Self {
+    pub(crate) fn new(tolerance: f64) -> Self {
         let (limits, layout) = (Limits::default(), Layout::default());
         Self { tolerance, max_panels: usize::MAX, facets: false, limits, layout }
     }

@@ -47,7 +47,7 @@ use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
 pub use covered_face::{Cover, Origin};
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
-pub use exact::exactly;
+pub(crate) use exact::exactly;
 pub(in crate::search) use exact::{exact_regions, exactly_covered};
 pub(crate) use exact::{is_developable, is_smoothly_developable};
 pub use job::CoverOptions;

@@ -49,19 +49,19 @@ impl Cover {
     }
 
     /// Principal axes of a face's vertices, longest first.
-    pub fn axes(&self) -> [Vec3; 3] {
+    pub(crate) fn axes(&self) -> [Vec3; 3] {
         axes_of(&self.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
     }
 
     /// How far a face's vertices reach along an axis, mm.
-    pub fn reach(&self, axis: &Vec3) -> [f64; 2] {
+    pub(crate) fn reach(&self, axis: &Vec3) -> [f64; 2] {
         let along = self.jets.iter().map(|j| axis.dot(&j.jet.p));
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
     }
 
     /// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer. The
     /// fits are as good as `control` leaves time for.
-    pub fn fill(&mut self, control: &Control) {
+    pub(crate) fn fill(&mut self, control: &Control) {
         for label in self.free() {
             let samples = self.region(label).samples();
             let options = PrimalOptions { control: control.clone(), ..PrimalOptions::new(0.0) };

@@ -29,7 +29,7 @@ pub(super) struct Share {
 /// The shares of the panels of a region.
 pub(super) fn shares(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<Share> {
     let n = ribbon.spans.len();
-    let of = |q: &Vec2| atlas.from_flat(q).map(|on| on.panel);
+    let of = |q: &Vec2| atlas.at_flat(q).map(|on| on.panel);
     let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
     if atlas.panels.len() == 1 {
         return vec![Share { ribbon: ribbon.clone(), panel: 0, loops: leaf.loops.clone() }];
@@ -93,7 +93,7 @@ fn in_one_plane(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) ->
         let mut votes = vec![0usize; atlas.panels.len()];
         let own = samples(&FlatPart { loops: loops.to_vec(), ..part.clone() });
         for q in own.iter().filter(|q| inside(loops, q)) {
-            atlas.from_flat(q).into_iter().for_each(|on| votes[on.panel] += 1);
+            atlas.at_flat(q).into_iter().for_each(|on| votes[on.panel] += 1);
         }
         (0..votes.len()).max_by_key(|k| votes[*k]).unwrap_or(0)
     };

@@ -72,7 +72,7 @@ pub(crate) fn cut_until(
 
 /// Strips laid flat, with what is proven of that.
 #[derive(Clone, Debug)]
-pub struct Laid {
+pub(crate) struct Laid {
     /// Parts as they are cut.
     pub parts: Vec<Part>,
     /// Their patterns.
@@ -107,7 +107,7 @@ pub(crate) fn laid_until(
 
 impl Laid {
     /// What is said of flat parts: their area, what is proven of lengths and of the drawing, and what stands against each.
-    pub fn claims(&self) -> Vec<Claim> {
+    pub(crate) fn claims(&self) -> Vec<Claim> {
         let whole = Subject::Whole;
         let missing =
             self.parts.iter().filter_map(|p| Some(Reason::of(Item::Part(p.name.clone()), p.missing.clone()?)));
@@ -125,17 +125,17 @@ impl Laid {
     }
 
     /// Area of all patterns.
-    pub fn area(&self) -> Claim {
+    pub(crate) fn area(&self) -> Claim {
         flat_area(&self.patterns)
     }
 
     /// See `lengths`.
-    pub fn lengths(&self) -> Vec<Claim> {
+    pub(crate) fn lengths(&self) -> Vec<Claim> {
         lengths(&self.patterns, &self.proofs)
     }
 
     /// See `refused`.
-    pub fn refused(&self) -> Vec<Reason> {
+    pub(crate) fn refused(&self) -> Vec<Reason> {
         refused(&self.parts, &self.patterns, &self.proofs, self.tolerance)
     }
 }

@@ -327,7 +327,7 @@ pub enum SegmentFault {
 /// Coordinates of edges that differ by less than this share of the ruling are equal.
 const EQUAL: f64 = 1e-12;
 /// Turn (rad) of a piece between circles, at most: once about its axis, up to rounding.
-pub const ONCE_AROUND: f64 = std::f64::consts::TAU * (1.0 + 1e-9);
+pub(crate) const ONCE_AROUND: f64 = std::f64::consts::TAU * (1.0 + 1e-9);
 
 impl ConeSpline {
     /// Number of supports of each kind: cones, cylinders, planes. Neighbours on one support count once; `length` is the size of

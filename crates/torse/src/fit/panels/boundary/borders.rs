@@ -202,7 +202,7 @@ impl<'a> Borders<'a> {
 
     /// Direction in which panels end on the face's normals at parameters of the face: the sum of its unit normals on all
     /// sides of creases, not normalised; zero where there is none.
-    pub fn normal(&self, p: [f64; 2]) -> Vec3 {
+    pub(crate) fn normal(&self, p: [f64; 2]) -> Vec3 {
         self.creases.normal(p)
     }
 

@@ -49,7 +49,7 @@ impl Borders<'_> {
     /// Panels of ruled strips, named by the caller, in the order of the strips.
     ///
     /// *Guarantee*: neighbours in a row have one edge in space, and the same parameters on it.
-    pub fn ruled_panels(
+    pub(crate) fn ruled_panels(
         &self,
         face_index: usize,
         assigned: &[AssignedStrip],

@@ -2,7 +2,7 @@
 //!
 //! Tolerant of what real files contain: an entity that cannot be read costs what depends on it and nothing more, and
 //! every face that is lost is named with the reason. Knows the format; the geometry of trimming is
-//! [`crate::brep::trim`]'s. Entities are named by the sequence number of their first line in the directory (`D5`),
+//! `brep::trim`'s. Entities are named by the sequence number of their first line in the directory (`D5`),
 //! always an odd number.
 
 mod annotations;
@@ -78,7 +78,7 @@ pub enum ReadError {
 
 /// Whether bytes look like an IGES file of any form: the first line that is not blank ends with the letter of a section
 /// in column 73 and a number.
-pub fn recognises(bytes: &[u8]) -> bool {
+pub(crate) fn recognises(bytes: &[u8]) -> bool {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = bytes.iter().position(|b| !matches!(b, b'\r' | b'\n')).unwrap_or(0);
     let head = &bytes[start..bytes.len().min(start + RECORD)];
@@ -87,15 +87,7 @@ pub fn recognises(bytes: &[u8]) -> bool {
     line.get(LETTER).is_some_and(|l| b"SGCB".contains(l)) && number() || Sections::of(head).flag.is_some()
 }
 
-/// Reads an IGES file with default options; see [`read_with`].
-///
-/// # Errors
-/// See [`ReadError`].
-pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
-    read_with(bytes, &ReadOptions::default())
-}
-
-/// Reads an IGES file.
+/// Reads an IGES file with default options.
 ///
 /// *Guarantee*: no panic and bounded recursion on any input; every trimmed or bounded surface, every face of a solid or
 /// shell, and every surface that nothing refers to is either in `faces` or named in `skipped` by its directory entry.
@@ -103,7 +95,15 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
 ///
 /// # Errors
 /// See [`ReadError`]: only where no face at all can be used, or where the end of the file is certainly missing.
-pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
+pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
+    read_with(bytes, &ReadOptions::default())
+}
+
+/// Reads an IGES file; see [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
     let sections = Sections::of(bytes);
     let records = records(bytes, &sections)?;
     let census = walk::census(&records);

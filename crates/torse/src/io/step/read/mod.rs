@@ -2,7 +2,7 @@
 //!
 //! Tolerant of what real files contain: a record that cannot be read costs what depends on it and nothing more, and
 //! every face that is lost is named with the reason. Knows the format; the geometry of trimming is
-//! [`crate::brep::trim`]'s.
+//! `brep::trim`'s.
 
 mod annotations;
 mod beside;
@@ -82,15 +82,20 @@ const START: usize = 1024;
 const BLANK: [char; 5] = ['\u{feff}', ' ', '\r', '\n', '\t'];
 
 /// Whether a file says that it is STEP.
-pub fn recognises(bytes: &[u8]) -> bool {
+pub(crate) fn recognises(bytes: &[u8]) -> bool {
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(START)]);
     start.trim_start_matches(BLANK).starts_with("ISO-10303-21")
 }
 
-/// Reads a STEP file with default options; see [`read_with`].
+/// Reads a STEP file with default options.
+///
+/// *Guarantee*: no panic and bounded recursion on any input; every face of a shell, solid, surface model or geometric
+/// set that a shape representation leads to is either in `faces` or named in `skipped`. *Not guaranteed*: faces whose
+/// file contradicts itself (loops of wrong sense, gaps above 2 % of the boundary) may be refused where another program
+/// repairs them.
 ///
 /// # Errors
-/// See [`ReadError`].
+/// See [`ReadError`]: only where no face at all can be used, or where the end of the file is certainly missing.
 ///
 /// # Example
 /// ```
@@ -102,16 +107,11 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     read_with(bytes, &ReadOptions::default())
 }
 
-/// Reads a STEP file.
-///
-/// *Guarantee*: no panic and bounded recursion on any input; every face of a shell, solid, surface model or geometric
-/// set that a shape representation leads to is either in `faces` or named in `skipped`. *Not guaranteed*: faces whose
-/// file contradicts itself (loops of wrong sense, gaps above 2 % of the boundary) may be refused where another program
-/// repairs them.
+/// Reads a STEP file; see [`read`].
 ///
 /// # Errors
-/// See [`ReadError`]: only where no face at all can be used, or where the end of the file is certainly missing.
-pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
+/// As [`read`].
+pub(crate) fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
     if bytes.iter().all(|b| b.is_ascii_whitespace() || *b == 0) {
         return Err(ReadError::Empty);
     }

@@ -32,7 +32,7 @@ pub fn strips(bytes: &[u8]) -> Result<Vec<WrittenStrip>, String> {
 ///
 /// # Errors
 /// As [`faces`].
-pub fn exact(bytes: &[u8]) -> Result<Vec<WrittenExact>, String> {
+pub(crate) fn exact(bytes: &[u8]) -> Result<Vec<WrittenExact>, String> {
     each(bytes, exact_face)
 }
 

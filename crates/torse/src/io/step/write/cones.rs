@@ -16,7 +16,7 @@ const LARGEST_TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 impl Shell {
     /// A chain: one face for each segment (CONICAL_SURFACE, CYLINDRICAL_SURFACE, PLANE), named `name-01 cone` and so
     /// on, normals on the side of the segments' normals. Lateral edges are circles or conics, the others lines.
-    pub fn of_cones(name: &str, spline: &ConeSpline) -> Self {
+    pub(crate) fn of_cones(name: &str, spline: &ConeSpline) -> Self {
         let spline = spline.with_turns_below(LARGEST_TURN, ONCE_AROUND);
         let mut shell = Self { name: name.into(), ..Self::default() };
         let Some(first) = spline.segments.first() else { return shell };
@@ -64,7 +64,7 @@ impl Shell {
 impl Shell {
     /// A trimmed chain: one face for each piece, named like those of whole chains; joints are shared lines, other
     /// edges splines near the exact surfaces.
-    pub fn of_cone_part(name: &str, part: &ConePart) -> Self {
+    pub(crate) fn of_cone_part(name: &str, part: &ConePart) -> Self {
         let mut shell = Self { name: name.into(), vertices: part.vertices.clone(), ..Self::default() };
         for e in &part.edges {
             let curve = match &e.curve {

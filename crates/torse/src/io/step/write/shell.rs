@@ -78,7 +78,7 @@ pub struct EdgeUse {
 
 impl Shell {
     /// The same shell with names that say that it must not be cut.
-    pub fn marked(mut self) -> Self {
+    pub(crate) fn marked(mut self) -> Self {
         self.name = titled(&self.name, true);
         for face in &mut self.faces {
             face.name = titled(&face.name, true);
@@ -88,7 +88,7 @@ impl Shell {
 
     /// One panel: its patch, trimmed by its runs. With `reversed` the normal is turned over (as that of a face
     /// whose normal is −S_u × S_v).
-    pub fn of_panel(panel: &Panel, reversed: bool) -> Self {
+    pub(crate) fn of_panel(panel: &Panel, reversed: bool) -> Self {
         let mut shell = Self { name: panel.strip.name.clone(), ..Self::default() };
         let mut loops = Vec::with_capacity(panel.loops().len());
         for runs in panel.loops() {
@@ -120,7 +120,7 @@ impl Shell {
     }
 
     /// The offset of a panel, its normal on the side of that of the panel's face.
-    pub fn of_offset(offset: &OffsetPanel) -> Self {
+    pub(crate) fn of_offset(offset: &OffsetPanel) -> Self {
         let mut shell = Self { name: offset.name.clone(), ..Self::default() };
         // Elementary surfaces have parameters of their own.
         let has_trims = matches!(offset.surface, ShellSurface::Spline { .. } | ShellSurface::Offset { .. });
@@ -150,7 +150,7 @@ impl Shell {
 
     /// An untrimmed strip: one face, bounded by its rails and end rulings; a rail that is a point has no edge. Planes
     /// are written as planes.
-    pub fn of_strip(strip: &Strip) -> Self {
+    pub(crate) fn of_strip(strip: &Strip) -> Self {
         let mut shell = Self::untrimmed(&strip.name, &strip.patch);
         let points = [strip.is_point(0), strip.is_point(1)];
         let Some(face) = shell.faces.first_mut() else { return shell };

@@ -1,6 +1,7 @@
 //! Files that are no archives, old ones, cut and damaged ones.
 
-use super::super::{free_curves, meshes, read, ReadError};
+use super::super::{free_curves, meshes, ReadError};
+use super::read;
 use super::specimens::*;
 use crate::io::words;
 use crate::io::words::left_out;

@@ -6,13 +6,17 @@ mod more;
 mod specimens;
 mod written;
 
-use super::{read, Model};
+use super::{read_with, Model, ReadError, ReadOptions};
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::geom::{BBox, Vec3};
 
 /// Areas agree to what quadrature of smooth faces leaves.
 const SAME: f64 = 1e-9;
+
+fn read(bytes: &[u8]) -> Result<Model, ReadError> {
+    read_with(bytes, &ReadOptions::default())
+}
 
 fn model(bytes: &[u8]) -> Model {
     read(bytes).expect("a model")

@@ -1,9 +1,9 @@
 //! Blocks, layers, curves and meshes.
 
 use super::super::bytes::checksum;
-use super::super::{free_curves, meshes, read, ReadError};
+use super::super::{free_curves, meshes, ReadError};
 use super::specimens::*;
-use super::{area, corners, model, near, normal};
+use super::{area, corners, model, near, normal, read};
 use crate::brep::free_curve::{FreeCurve, FreeShape};
 use crate::brep::raw::SurfaceKind;
 use crate::geom::Vec3;

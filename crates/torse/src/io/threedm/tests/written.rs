@@ -1,6 +1,7 @@
 //! What is written is read back.
 
-use super::super::{read, write};
+use super::super::write;
+use super::read;
 use super::{area, model, near, normal};
 use crate::geom::{Frame, Vec3};
 use crate::io::step::write::{EdgeUse, Header, Shell, ShellCurve, ShellEdge, ShellFace, ShellSurface, SurfaceForm};
