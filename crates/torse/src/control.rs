@@ -93,13 +93,13 @@ impl Control {
     }
 
     /// The same control for a search that ends when it needs more than so many attempts.
-    pub fn within(mut self, attempts: usize) -> Self {
+    pub(crate) fn within(mut self, attempts: usize) -> Self {
         self.effort = Some(Arc::new(Effort { spent: AtomicUsize::new(0), most: attempts }));
         self
     }
 
     /// Counts an attempt.
-    pub fn attempt(&self) {
+    pub(crate) fn attempt(&self) {
         if let Some(effort) = &self.effort {
             effort.spent.fetch_add(1, Ordering::Relaxed);
         }
@@ -118,12 +118,12 @@ impl Control {
     }
 
     /// Time that is left until the deadline; `None` without a deadline.
-    pub fn remaining(&self) -> Option<Duration> {
+    pub(crate) fn remaining(&self) -> Option<Duration> {
         self.deadline.map(|d| d.saturating_duration_since(Instant::now()))
     }
 
     /// Reports progress.
-    pub fn report(&self, stage: &'static str, fraction: f64, detail: impl Into<String>) {
+    pub(crate) fn report(&self, stage: &'static str, fraction: f64, detail: impl Into<String>) {
         if let Some(f) = &self.progress {
             f(&Progress { stage, fraction, detail: detail.into() });
         }

@@ -88,7 +88,7 @@ impl Marks {
     }
 
     /// Nothing is marked.
-    pub fn none(answer: &Answer) -> Self {
+    pub(crate) fn none(answer: &Answer) -> Self {
         Self::all(answer, false)
     }
 

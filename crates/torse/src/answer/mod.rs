@@ -234,7 +234,7 @@ pub struct Answer {
 
 impl Guide {
     /// A rail, by points along it.
-    pub fn of(rail: &Rail) -> Self {
+    pub(crate) fn of(rail: &Rail) -> Self {
         Self { name: rail.name.clone(), points: rail.samples(GUIDE_POINTS) }
     }
 }

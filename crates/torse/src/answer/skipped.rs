@@ -19,12 +19,12 @@ pub struct Skipped {
 
 impl Skipped {
     /// A face or item of a CAD file.
-    pub fn of_file(entity: u64, reason: impl Into<Reason>, area_estimate: Option<f64>) -> Self {
+    pub(crate) fn of_file(entity: u64, reason: impl Into<Reason>, area_estimate: Option<f64>) -> Self {
         Self { entity: Some(entity), reason: reason.into(), area_estimate }
     }
 
     /// A face that is left out for a reason, with the faces of the file that are one with it.
-    pub fn of_face(face: &Face, reason: impl Into<Reason>) -> Self {
+    pub(crate) fn of_face(face: &Face, reason: impl Into<Reason>) -> Self {
         let others: Vec<u64> = face.parts.iter().skip(1).map(|p| p.entity).collect();
         let reason = match others.is_empty() {
             true => reason.into(),

@@ -425,67 +425,67 @@ impl Claim {
     }
 
     /// A proven upper bound.
-    pub fn at_most(what: What, subject: Subject, bound: UpperBound) -> Self {
+    pub(crate) fn at_most(what: What, subject: Subject, bound: UpperBound) -> Self {
         let unknown = bound == UpperBound::UNKNOWN;
         Self { unknown, ..Self::new(what, subject, bound.value(), Evidence::Proven) }
     }
 
     /// A proven lower bound.
-    pub fn at_least(what: What, subject: Subject, bound: LowerBound) -> Self {
+    pub(crate) fn at_least(what: What, subject: Subject, bound: LowerBound) -> Self {
         let unknown = bound == LowerBound::UNKNOWN;
         Self { unknown, lower: true, ..Self::new(what, subject, bound.value(), Evidence::Proven) }
     }
 
     /// What samples showed.
-    pub fn measured(what: What, subject: Subject, value: f64) -> Self {
+    pub(crate) fn measured(what: What, subject: Subject, value: f64) -> Self {
         Self::new(what, subject, value, Evidence::Measured)
     }
 
     /// What was asked for or defined.
-    pub fn given(what: What, subject: Subject, value: f64) -> Self {
+    pub(crate) fn given(what: What, subject: Subject, value: f64) -> Self {
         Self::new(what, subject, value, Evidence::Given)
     }
 
     /// A number of things.
-    pub fn count(what: Counted, subject: Subject, number: usize) -> Self {
+    pub(crate) fn count(what: Counted, subject: Subject, number: usize) -> Self {
         Self::new(What::Count(what), subject, number as f64, Evidence::Given)
     }
 
     /// Something that stands against the status.
-    pub fn objection(subject: Subject, reason: impl Into<Reason>) -> Self {
+    pub(crate) fn objection(subject: Subject, reason: impl Into<Reason>) -> Self {
         Self::new(What::Objection, subject, 1.0, Evidence::Given).within(0.0).because(reason.into())
     }
 
     /// An objection that says how much of the whole is certified.
-    pub fn in_part(reason: impl Into<Reason>) -> Self {
+    pub(crate) fn in_part(reason: impl Into<Reason>) -> Self {
         Self { what: What::InPart, ..Self::objection(Subject::Whole, reason) }
     }
 
     /// Something that was asked for and is missing from the answer; what was made is as good as it is.
-    pub fn left_out(reason: impl Into<Reason>) -> Self {
+    pub(crate) fn left_out(reason: impl Into<Reason>) -> Self {
         Self { what: What::LeftOut, ..Self::objection(Subject::Whole, reason) }
     }
 
     /// Asks that the value be no larger than `limit`.
-    pub fn within(mut self, limit: f64) -> Self {
+    pub(crate) fn within(mut self, limit: f64) -> Self {
         self.demand = Demand::AtMost(limit);
         self
     }
 
     /// Asks that the value be no smaller than `limit`.
-    pub fn not_below(mut self, limit: f64) -> Self {
+    pub(crate) fn not_below(mut self, limit: f64) -> Self {
         self.demand = Demand::AtLeast(limit);
         self
     }
 
     /// Says what is the matter if the demand is not met.
-    pub fn because(mut self, reason: impl Into<Option<Reason>>) -> Self {
+    pub(crate) fn because(mut self, reason: impl Into<Option<Reason>>) -> Self {
         self.reason = reason.into();
         self
     }
 
     /// Says where it is seen, mm: a place where the value was found, or which resisted the proof.
-    pub fn seen_at(mut self, place: Option<Vec3>) -> Self {
+    pub(crate) fn seen_at(mut self, place: Option<Vec3>) -> Self {
         self.witness = place;
         self
     }
@@ -498,7 +498,7 @@ impl Claim {
     }
 
     /// The same about a panel that stands behind so many others now.
-    pub fn after(mut self, panels: usize) -> Self {
+    pub(crate) fn after(mut self, panels: usize) -> Self {
         if let Subject::Panel(k) = self.subject {
             self.subject = Subject::Panel(k + panels);
         }

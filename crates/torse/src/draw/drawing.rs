@@ -66,12 +66,12 @@ pub struct DrawnPattern {
 
 impl DrawnPattern {
     /// Strokes of all that is written on it.
-    pub fn strokes(&self) -> impl Iterator<Item = Vec<Vec2>> + '_ {
+    pub(crate) fn strokes(&self) -> impl Iterator<Item = Vec<Vec2>> + '_ {
         Lettering::all(&self.texts)
     }
 
     /// The rulings about which the sheet bends in a sense.
-    pub fn bent(&self, sense: BendSense) -> impl Iterator<Item = &[Vec2; 2]> {
+    pub(crate) fn bent(&self, sense: BendSense) -> impl Iterator<Item = &[Vec2; 2]> {
         let of = move |k: usize| self.senses.get(k).copied().unwrap_or_default();
         self.rulings.iter().enumerate().filter(move |(k, _)| of(*k) == sense).map(|(_, r)| r)
     }

@@ -29,7 +29,7 @@ pub enum Lettering {
 
 impl Lettering {
     /// Its strokes, mm.
-    pub fn strokes(&self) -> Vec<Vec<Vec2>> {
+    pub(crate) fn strokes(&self) -> Vec<Vec<Vec2>> {
         let (text, place) = match self {
             Self::Words(text, place) => (text, place),
             Self::Line(ends) => return vec![ends.to_vec()],
@@ -43,7 +43,7 @@ impl Lettering {
     }
 
     /// The strokes of several.
-    pub fn all(texts: &[Self]) -> impl Iterator<Item = Vec<Vec2>> + '_ {
+    pub(crate) fn all(texts: &[Self]) -> impl Iterator<Item = Vec<Vec2>> + '_ {
         texts.iter().flat_map(Self::strokes)
     }
 }

@@ -21,7 +21,7 @@ const STEPS: f64 = 20.0;
 impl Coarse {
     /// The fault of coordinates up to `largest` for a tolerance, mm; `None` if there is none. Numbers that are not finite
     /// are another fault.
-    pub fn of(largest: f64, tolerance: f64) -> Option<Self> {
+    pub(crate) fn of(largest: f64, tolerance: f64) -> Option<Self> {
         let step = largest * f64::EPSILON;
         (largest.is_finite() && STEPS * step > tolerance).then_some(Self { largest, step, tolerance })
     }
@@ -53,7 +53,7 @@ impl Loose {
     ///
     /// # Errors
     /// The tolerance is more than half the diagonal.
-    pub fn check(diagonal: f64, tolerance: f64) -> Result<(), Self> {
+    pub(crate) fn check(diagonal: f64, tolerance: f64) -> Result<(), Self> {
         if diagonal > 0.0 && tolerance > MOST_SHARE * diagonal {
             return Err(Self { tolerance, diagonal });
         }

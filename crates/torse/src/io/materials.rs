@@ -110,7 +110,7 @@ fn table(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
 const K_COLUMNS: [&[&str]; 2] = [&["r/t", "r_over_t", "ratio", "radius/thickness"], &["k", "k_ansi", "k_factor"]];
 
 /// Reads a table of K-factors (CSV, no unit): inside radius over thickness and K, its columns in either order if headings name them.
-/// Its order and range are for [`KFactor::check`](crate::develop::unfold::allowance::KFactor::check). `file` names it in messages.
+/// Its order and range are judged by the job that is given it. `file` names it in messages.
 ///
 /// # Errors
 /// The line with other than two numbers, or whose columns are not known.

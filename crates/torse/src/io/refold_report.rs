@@ -88,7 +88,7 @@ pub struct RefoldPanel {
 
 impl RefoldPanel {
     /// A panel with its bound (mm), or why there is none.
-    pub fn new(name: &str, found: &Result<UpperBound, impl std::fmt::Display>) -> Self {
+    pub(crate) fn new(name: &str, found: &Result<UpperBound, impl std::fmt::Display>) -> Self {
         let not_proven = found.as_ref().err().map_or_else(String::new, |e| e.to_string());
         Self { name: name.to_owned(), distance_bound: found.as_ref().ok().map(|b| b.value()), not_proven }
     }
@@ -104,7 +104,7 @@ impl RefoldPart {
 
 impl RefoldReport {
     /// Notes that a part is missing from one of the files; `reason` names it.
-    pub fn note_missing(&mut self, file: &str, reason: &str) {
+    pub(crate) fn note_missing(&mut self, file: &str, reason: &str) {
         self.notes.push(format!("not in {file}: {reason}"));
     }
 

@@ -33,7 +33,7 @@ pub enum ClosedMap {
 
 impl ClosedMap {
     /// Frame of the face's surface.
-    pub fn frame(&self) -> &Frame {
+    pub(crate) fn frame(&self) -> &Frame {
         match self {
             Self::Plane(frame) | Self::Cylinder { frame, .. } | Self::Cone { frame, .. } => frame,
         }
@@ -42,13 +42,13 @@ impl ClosedMap {
 
 impl ClosedMap {
     /// Angle (rad) about the axis, between −π and π, by which a point stands; any for planes.
-    pub fn angle(&self, x: &Vec3) -> f64 {
+    pub(crate) fn angle(&self, x: &Vec3) -> f64 {
         let q = self.frame().to_local(x);
         q.y.atan2(q.x)
     }
 
     /// Place in the plane of a point; its angle about the axis tells turns apart.
-    pub fn flat(&self, x: &Vec3, angle: f64) -> Vec2 {
+    pub(crate) fn flat(&self, x: &Vec3, angle: f64) -> Vec2 {
         let q = self.frame().to_local(x);
         match self {
             Self::Plane(_) => Vec2::new(q.x, q.y),

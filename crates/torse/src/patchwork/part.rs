@@ -18,12 +18,12 @@ pub struct Part {
 
 impl Part {
     /// A part of `count` panels from the panel `first` on.
-    pub fn new(name: impl Into<String>, first: usize, count: usize) -> Self {
+    pub(crate) fn new(name: impl Into<String>, first: usize, count: usize) -> Self {
         Self { name: name.into(), first, count, missing: None }
     }
 
     /// Every strip as a part of its own.
-    pub fn of_each(strips: &[Strip]) -> Vec<Self> {
+    pub(crate) fn of_each(strips: &[Strip]) -> Vec<Self> {
         strips.iter().enumerate().map(|(k, s)| Self::new(&s.name, k, 1)).collect()
     }
 }

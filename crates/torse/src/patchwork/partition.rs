@@ -60,7 +60,7 @@ impl Partition {
     }
 
     /// A label that is not in use.
-    pub fn fresh_label(&self) -> u32 {
+    pub(crate) fn fresh_label(&self) -> u32 {
         self.labels.iter().filter(|&&l| l != UNASSIGNED).max().map_or(0, |m| m + 1)
     }
 
@@ -104,7 +104,7 @@ impl Partition {
 
     /// Gives every edge-connected component of a label but the largest (by triangle count) a fresh label. Returns
     /// the labels of all components, the kept one first.
-    pub fn split_components(&mut self, label: u32) -> Vec<u32> {
+    pub(crate) fn split_components(&mut self, label: u32) -> Vec<u32> {
         let mut groups = self.components(&self.region(label), |_, _| true);
         groups.sort_by_key(|g| (std::cmp::Reverse(g.len()), g[0]));
         let mut out = vec![label];
@@ -142,7 +142,7 @@ impl Partition {
     /// Cuts the triangles labelled `label` along the zero line of `value` and gives the part where it is positive
     /// the label `positive`. Neighbours across the label's border are split too, so that the triangulation stays
     /// conforming. `value` should be continuous; along an edge its zero is found by the secant rule.
-    pub fn cut(&mut self, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
+    pub(crate) fn cut(&mut self, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
         let tris = self.region(label);
         let mut val: HashMap<u32, f64> = HashMap::default();
         for &t in &tris {
@@ -220,7 +220,7 @@ impl Partition {
     }
 
     /// Splits every triangle that has edges in `middle` (undirected edge → vertex on it); labels are inherited.
-    pub fn split_edges(&mut self, middle: &HashMap<(u32, u32), u32>) {
+    pub(crate) fn split_edges(&mut self, middle: &HashMap<(u32, u32), u32>) {
         if middle.is_empty() {
             return;
         }
@@ -284,7 +284,7 @@ impl Partition {
 
     /// The triangles with a label as a partition of their own, with the same labels; second result: for each of
     /// its vertices the vertex here. Border edges of the part are not classified.
-    pub fn extract(&self, label: u32) -> (Self, Vec<u32>) {
+    pub(crate) fn extract(&self, label: u32) -> (Self, Vec<u32>) {
         let mut map: HashMap<u32, u32> = HashMap::default();
         let mut old = Vec::new();
         let mut part = Self::default();

@@ -132,7 +132,7 @@ pub struct Bend {
 
 impl Bend {
     /// A bend with the same radii on both sides of its ruling, where the sheet has not turned yet.
-    pub fn of(sense: BendSense, angle: f64, radii: [f64; 2]) -> Self {
+    pub(crate) fn of(sense: BendSense, angle: f64, radii: [f64; 2]) -> Self {
         Self { sense, angle, radii, before: radii, turned: 0.0 }
     }
 }
@@ -172,25 +172,25 @@ pub struct MarkLine {
 
 impl MarkLine {
     /// Straight lines from corner to corner.
-    pub fn straight(label: &str, corners: &[Vec2]) -> Self {
+    pub(crate) fn straight(label: &str, corners: &[Vec2]) -> Self {
         let joint = |p: &Vec2| ContourVertex { point: *p, bulge: 0.0, corner: true };
         Self { label: label.into(), joints: corners.iter().map(joint).collect(), closed: false }
     }
 
     /// Its lines and arcs as a contour; of one that is open the line from its end to its beginning is one of these.
-    pub fn contour(&self) -> Contour {
+    pub(crate) fn contour(&self) -> Contour {
         Contour { vertices: self.joints.clone() }
     }
 
     /// The same line, its joints moved by a map that keeps shapes, or mirrors them.
-    pub fn moved(&self, map: impl Fn(&Vec2) -> Vec2, mirrored: bool) -> Self {
+    pub(crate) fn moved(&self, map: impl Fn(&Vec2) -> Vec2, mirrored: bool) -> Self {
         let sign = if mirrored { -1.0 } else { 1.0 };
         let joint = |j: &ContourVertex| ContourVertex { point: map(&j.point), bulge: sign * j.bulge, ..*j };
         Self { joints: self.joints.iter().map(joint).collect(), ..self.clone() }
     }
 
     /// The same line, run through the other way.
-    pub fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         let (v, n) = (&self.joints, self.joints.len());
         // Of an open line nothing leaves the last joint; of a closed one what came to the first one.
         let bulge = |k: usize| if k > 0 || self.closed { -v[(k + n - 1) % n].bulge } else { 0.0 };

@@ -18,7 +18,7 @@ impl Partition {
     /// Moves vertices away from borders that they nearly touch: every vertex inside a label, opposite a border edge,
     /// goes to the mean of its neighbours where that makes the worst of its triangles better. Coordinates on `lines`
     /// (knot lines in u and v) stay.
-    pub fn relax(&mut self, lines: [&[f64]; 2]) {
+    pub(crate) fn relax(&mut self, lines: [&[f64]; 2]) {
         let left = self.adjacency();
         let mut beside: Vec<u32> = Vec::new();
         let mut bordering = vec![false; self.vertices.len()];
@@ -77,7 +77,7 @@ impl Partition {
     ///
     /// `distance(p, q)` measures from `p` to `q` near both, in any unit; `allowed` is in the same unit.
     #[expect(clippy::too_many_lines, reason = "one walk over all joints with its state")]
-    pub fn smooth_seams(
+    pub(crate) fn smooth_seams(
         &mut self,
         lines: [&[f64]; 2],
         allowed: f64,

@@ -140,7 +140,7 @@ impl PrimalTorse {
     }
 
     /// `(f, f', f'', a, a', g)` at `t`; `g` by exact Gauss quadrature of the piecewise quartic `f' a'`.
-    pub fn functions(&self, t: f64) -> [f64; 6] {
+    pub(crate) fn functions(&self, t: f64) -> [f64; 6] {
         let j = self.profile.jet(t);
         [j[0][0], j[1][0], j[2][0], j[0][1], j[1][1], self.slope(t)]
     }
@@ -238,7 +238,7 @@ impl Torse {
 
     /// Foot function of `x` and its t-derivative: zero where the ruling passes through the foot of the
     /// perpendicular from `x` to the torse. Exact form `|n|²(m·X − k) − (n·X − h)(n·m)`.
-    pub fn foot_function(&self, x: &Vec3, t: f64) -> (f64, f64) {
+    pub(crate) fn foot_function(&self, x: &Vec3, t: f64) -> (f64, f64) {
         match self {
             Self::Primal(p) => {
                 let q = p.frame.to_local(x);

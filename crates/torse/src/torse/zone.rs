@@ -23,13 +23,13 @@ impl Zone {
     }
 
     /// Whether each range is one and at least one is bounded.
-    pub fn is_usable(&self) -> bool {
+    pub(crate) fn is_usable(&self) -> bool {
         self.ranges.iter().all(|(a, b)| a <= b) && self.ranges.iter().any(|(a, b)| a.is_finite() || b.is_finite())
     }
 
     /// The part of the line `point + s direction` in the zone as an interval of s, perhaps without end; `None` if the
     /// line misses the zone.
-    pub fn part(&self, point: &Vec3, direction: &Vec3) -> Option<(f64, f64)> {
+    pub(crate) fn part(&self, point: &Vec3, direction: &Vec3) -> Option<(f64, f64)> {
         let (mut a, mut b) = (f64::NEG_INFINITY, f64::INFINITY);
         for (k, (from, to)) in self.ranges.iter().enumerate() {
             let (p, d) = (point[k], direction[k]);
@@ -87,26 +87,26 @@ impl RegressionLimits {
     }
 
     /// The same with zones moved by a vector, mm.
-    pub fn moved(&self, by: &Vec3) -> Self {
+    pub(crate) fn moved(&self, by: &Vec3) -> Self {
         let moved = |z: &Zone| Zone { ranges: [0, 1, 2].map(|k| (z.ranges[k].0 + by[k], z.ranges[k].1 + by[k])) };
         Self { clearance: self.clearance, zones: self.zones.iter().map(moved).collect() }
     }
 
     /// The same with zones that reach farther by a distance (mm) on all sides.
-    pub fn widened(&self, by: f64) -> Self {
+    pub(crate) fn widened(&self, by: f64) -> Self {
         let wider = |z: &Zone| Zone { ranges: z.ranges.map(|(a, b)| (a - by, b + by)) };
         Self { clearance: self.clearance, zones: self.zones.iter().map(wider).collect() }
     }
 
     /// Whether a point of the line `point + s direction` (`direction` of unit length) is out of bounds, for a strip that
     /// reaches from `own.0` to `own.1` on it.
-    pub fn forbid(&self, point: &Vec3, direction: &Vec3, own: (f64, f64), s: f64) -> bool {
+    pub(crate) fn forbid(&self, point: &Vec3, direction: &Vec3, own: (f64, f64), s: f64) -> bool {
         let near = s >= own.0 - self.clearance && s <= own.1 + self.clearance;
         near || self.parts(point, direction).any(|(a, b)| s >= a && s <= b)
     }
 
     /// One interval of a line that holds all that is out of bounds; see [`RegressionLimits::forbid`].
-    pub fn hull(&self, point: &Vec3, direction: &Vec3, own: (f64, f64)) -> (f64, f64) {
+    pub(crate) fn hull(&self, point: &Vec3, direction: &Vec3, own: (f64, f64)) -> (f64, f64) {
         let start = (own.0 - self.clearance, own.1 + self.clearance);
         self.parts(point, direction).fold(start, |(a, b), (p, q)| (a.min(p), b.max(q)))
     }

@@ -50,7 +50,7 @@ pub struct FlatCertificate {
 
 impl FlatCertificate {
     /// What is proven of all parts of a job, as claims about the whole: lengths, drawings, joints inside parts.
-    pub fn of_parts(all: &[Self]) -> Vec<Claim> {
+    pub(crate) fn of_parts(all: &[Self]) -> Vec<Claim> {
         let largest = |value: fn(&Self) -> f64| UpperBound::largest(all.iter().map(|c| UpperBound::shown(value(c))));
         let whole = Subject::Whole;
         let claims = [

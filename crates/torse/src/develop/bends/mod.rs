@@ -34,7 +34,7 @@ pub struct BendSpacing {
 
 impl BendSpacing {
     /// The same for a job with a tolerance (mm).
-    pub fn of_job(self, tolerance: f64) -> Self {
+    pub(crate) fn of_job(self, tolerance: f64) -> Self {
         let within = if self.dense { REFOLDS * tolerance } else { f64::INFINITY };
         Self { within, ..self }
     }
@@ -58,7 +58,7 @@ pub enum Facets {
 
 impl Facets {
     /// Kinks (a fraction) for a stretch of a turn (rad, not negative) and a length (mm) of a part whose whole turn is `whole`.
-    pub fn needed(self, turn: f64, length: f64, whole: f64) -> f64 {
+    pub(crate) fn needed(self, turn: f64, length: f64, whole: f64) -> f64 {
         match self {
             Self::Count(n) => n as f64 * turn / whole,
             Self::Turn(step) => turn / step,

@@ -153,7 +153,7 @@ impl FlatPart {
     ///
     /// # Errors
     /// [`RefoldError::Outline`], [`RefoldError::Empty`].
-    pub fn check(&self) -> Result<(), RefoldError> {
+    pub(crate) fn check(&self) -> Result<(), RefoldError> {
         let total: f64 = self.loops.iter().map(|l| area(l)).sum();
         if self.loops.iter().any(|l| l.len() < 3) || !(total > 0.0 && total.is_finite()) {
             return Err(RefoldError::Empty);
@@ -182,7 +182,7 @@ impl FlatPart {
     ///
     /// # Errors
     /// See [`Self::check`].
-    pub fn check_slits(&self) -> Result<(), RefoldError> {
+    pub(crate) fn check_slits(&self) -> Result<(), RefoldError> {
         match self.check() {
             Err(RefoldError::Outline { .. }) if self.winds_once() => Ok(()),
             other => other,

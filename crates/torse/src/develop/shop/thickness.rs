@@ -59,7 +59,7 @@ pub struct Hollow {
 
 impl Hollow {
     /// Which way the lines of a pattern say.
-    pub fn of(pattern: &Pattern) -> Self {
+    pub(crate) fn of(pattern: &Pattern) -> Self {
         let any = |sense| pattern.bends.iter().any(|b| b.sense == sense);
         let (up, down) = (any(BendSense::Up), any(BendSense::Down));
         match pattern.view {
@@ -105,7 +105,7 @@ impl Sheet {
     }
 
     /// What the sheet makes of a part. A part that is hollow both ways has its neutral fibre in the middle.
-    pub fn of(&self, pattern: &Pattern) -> PartSheet {
+    pub(crate) fn of(&self, pattern: &Pattern) -> PartSheet {
         let hollow = Hollow::of(pattern);
         let radius = |sense: BendSense| {
             let of = pattern.bends.iter().filter(move |b| b.sense == sense && b.angle > 0.0);

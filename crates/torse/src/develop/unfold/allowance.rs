@@ -42,7 +42,7 @@ impl KFactor {
     ///
     /// # Errors
     /// See [`KFactorError`].
-    pub fn check(&self) -> Result<(), KFactorError> {
+    pub(crate) fn check(&self) -> Result<(), KFactorError> {
         let share = |k: f64| if (0.0..=1.0).contains(&k) { Ok(()) } else { Err(KFactorError::Share(k)) };
         match self {
             Self::Ansi(k) => share(*k),
@@ -90,7 +90,7 @@ pub struct Fibre {
 
 impl Fibre {
     /// The same depth (mm) everywhere.
-    pub fn fixed(depth: f64) -> Self {
+    pub(crate) fn fixed(depth: f64) -> Self {
         Self { k: KFactor::Ansi(0.0), thickness: 0.0, above: -depth }
     }
 

@@ -55,19 +55,17 @@ struct Angles {
     middle: f64,
 }
 
-/// Angle about an axis from which on places are not told apart: a little less than a whole turn, rad.
-const WIDEST: f64 = TAU - 0.01;
 /// Places in the table of angles, enough that turns cannot be mistaken.
 const PLACES: usize = 96;
 impl Chart {
     /// The map of a face on its surface, `depth` (mm) below its outward side; `None` for faces that are not developable and
     /// where the depth exceeds the radius.
-    pub fn of(face: &Face, recognised: &RecognisedSurface, depth: f64) -> Option<Self> {
+    pub(crate) fn of(face: &Face, recognised: &RecognisedSurface, depth: f64) -> Option<Self> {
         Self::in_sheet(face, recognised, &Fibre::fixed(depth))
     }
 
     /// The same for the neutral fibre of a sheet; of a cone it has the depth of its middle.
-    pub fn in_sheet(face: &Face, recognised: &RecognisedSurface, fibre: &Fibre) -> Option<Self> {
+    pub(crate) fn in_sheet(face: &Face, recognised: &RecognisedSurface, fibre: &Fibre) -> Option<Self> {
         let kind = match recognised {
             RecognisedSurface::Plane(frame) => Kind::Plane(*frame),
             RecognisedSurface::Cylinder { frame, radius } => {
@@ -94,7 +92,7 @@ impl Chart {
     }
 
     /// The map with strips in closed form where it has none as a whole, near the face by a small share of `tolerance` (mm).
-    pub fn in_strips(mut self, recognised: &RecognisedSurface, tolerance: f64) -> Self {
+    pub(crate) fn in_strips(mut self, recognised: &RecognisedSurface, tolerance: f64) -> Self {
         if let Kind::Ruled(r) = &mut self.kind {
             r.strips = strips::strips(r, recognised, tolerance);
         }
@@ -130,7 +128,7 @@ impl Chart {
     }
 
     /// The map in closed form; `None` for faces that are neither plane nor circular.
-    pub fn closed(&self) -> Option<ClosedMap> {
+    pub(crate) fn closed(&self) -> Option<ClosedMap> {
         match &self.kind {
             Kind::Plane(frame) => Some(ClosedMap::Plane(*frame)),
             Kind::Round { frame, sign, half_angle, radius, neutral, .. } if *half_angle == 0.0 => {
@@ -147,7 +145,7 @@ impl Chart {
     }
 
     /// Strips in closed form that stand for a face which has none as a whole, in the plane of this map.
-    pub fn strips(&self) -> &[MapStrip] {
+    pub(crate) fn strips(&self) -> &[MapStrip] {
         match &self.kind {
             Kind::Ruled(r) => &r.strips,
             Kind::Plane(_) | Kind::Round { .. } => &[],
@@ -185,14 +183,6 @@ impl Chart {
         }
     }
 
-    /// Whether the face is so wide that a place in space does not tell on which turn about the axis it is.
-    pub fn closes(&self) -> bool {
-        match &self.kind {
-            Kind::Round { angles, .. } => angles.width() >= WIDEST,
-            Kind::Plane(_) | Kind::Ruled(_) => false,
-        }
-    }
-
     /// Whole turn of the normal over the face, rad.
     pub fn turn(&self) -> f64 {
         match &self.kind {
@@ -208,7 +198,7 @@ impl Chart {
     }
 
     /// The same between two shares of the turn.
-    pub fn rulings_between(&self, [from, to]: [f64; 2], count: usize) -> Vec<FlatRuling> {
+    pub(crate) fn rulings_between(&self, [from, to]: [f64; 2], count: usize) -> Vec<FlatRuling> {
         let angle = self.turn() * (to - from) / count as f64;
         let shares = (0..count).map(|k| from + (to - from) * (k as f64 + 0.5) / count as f64);
         match &self.kind {
@@ -243,7 +233,7 @@ impl Chart {
     }
 
     /// Whether the face stands out, seen from outside: +1, −1 if it is hollow, 0 where that is not one answer.
-    pub fn bulge(&self) -> f64 {
+    pub(crate) fn bulge(&self) -> f64 {
         match &self.kind {
             Kind::Round { sign, .. } => *sign,
             _ => 0.0,

@@ -364,7 +364,7 @@ impl ConeSpline {
 
     /// The same surface with segments cut so that none turns by more than `limit` (rad) about its axis; those between circles
     /// by no more than `circles`.
-    pub fn with_turns_below(&self, limit: f64, circles: f64) -> Self {
+    pub(crate) fn with_turns_below(&self, limit: f64, circles: f64) -> Self {
         // A full turn at the most makes this many pieces; more would be no limit but a mistake.
         const MOST_PIECES: f64 = 64.0;
         let mut segments = Vec::with_capacity(self.segments.len());
@@ -384,7 +384,7 @@ impl ConeSpline {
     /// The same surface with neighbours on one support made one segment, as long as it turns by no more than `limit`
     /// (rad), between circles by no more than `circles`; `length` is the size of the strip, mm. Edges of merged segments are
     /// plane sections through the ends and the joint: those of circles stay as they are, others change.
-    pub fn merged(&self, length: f64, limit: f64, circles: f64) -> Self {
+    pub(crate) fn merged(&self, length: f64, limit: f64, circles: f64) -> Self {
         let mut segments: Vec<Segment> = Vec::with_capacity(self.segments.len());
         for s in &self.segments {
             let joined = segments.last().and_then(|last: &Segment| {
@@ -409,7 +409,7 @@ impl ConeSpline {
 
     /// This chain, merged from another one, cut where that one's joints are: as many segments, each on the support that
     /// it has here, with the other one's edges. `None` if it was not merged from that chain.
-    pub fn cut_like(&self, other: &Self) -> Option<Self> {
+    pub(crate) fn cut_like(&self, other: &Self) -> Option<Self> {
         let measure = |s: &Segment| match s.shape {
             Shape::Flat { width } => width,
             _ => s.shape.angle(),
