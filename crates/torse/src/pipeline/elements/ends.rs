@@ -86,9 +86,7 @@ impl Ends {
         let strips: Vec<Strip> = ended.panels.iter().map(|p| p.strip.clone()).collect();
         let places = points(&strips, &given, control);
         let measured = Measured { points: &given, triangles: &[], between: &between, places: &places };
-        // Bounds of the way back need not be much sharper than what outlines keep to.
-        let within = ended.keeps.iter().flatten().map(|k| SHARP * k[1]).fold(tolerance, f64::max);
-        let proofs = trimmed(&ended.panels, &measured, within, control);
+        let proofs = trimmed(&ended.panels, &measured, tolerance, control);
         let mut out = Vec::new();
         let rulings = self.faces.is_empty();
         let whole = Subject::Whole;
@@ -241,8 +239,6 @@ fn of_panel(
 /// Share of the distance of two rulings from which on the middle between them has no strip: a sheet that bends by a right angle
 /// between them bulges by less.
 const APART: f64 = 0.25;
-/// Share of what outlines keep to below which distances from the stretches between rulings are not told apart.
-const SHARP: f64 = 0.6;
 /// What bounds may exceed what outlines are made to keep to by, as a share: they are up to a tenth above distances, and chords of
 /// the outline take a little.
 const SLACK: f64 = 0.15;

@@ -27,13 +27,15 @@ const ENDS: f64 = 0.3;
 const STEPS: usize = 3;
 /// Places along each border of a strip at which that is looked at.
 const LOOKS: usize = 512;
+/// Stretches beside one between neighbours tell how it turns if they are so long against it: noise turns short ones.
+const LONG: f64 = 0.5;
 
 impl GivenBorder {
     /// The border of elements with rulings; `None` if some have none.
     pub fn of(elements: &[ContactElement]) -> Option<Self> {
         let all = elements.len() > 1 && elements.iter().all(ContactElement::has_ruling);
-        let bulge = elements.windows(2).map(|w| bulge(&w[0], &w[1])).fold(0.0, f64::max);
-        all.then(|| Self::Rulings(elements.iter().map(|e| e.ends).collect(), bulge))
+        let bulge = || (1..elements.len()).map(|k| bulge(elements, k)).fold(0.0, f64::max);
+        all.then(|| Self::Rulings(elements.iter().map(|e| e.ends).collect(), bulge()))
     }
 
     /// What is given, as points and, of rulings, the indices of the ends of neighbours.
@@ -154,13 +156,32 @@ fn around(shown: &Shown, strip: &Strip, rulings: &[[Vec3; 2]], control: &Control
     (out.len() > 2).then_some((out, beside))
 }
 
-/// How far a sheet may bulge from straight lines between two neighbouring elements, mm. One that turns without turning back stays
-/// within the triangle of its tangents, whose height over their distance w is at most w/2 · tan(θ/2) when the normals turn by θ;
-/// never more than w is allowed. This is what is given alone: no strip widens what it is held to.
-fn bulge(one: &ContactElement, next: &ContactElement) -> f64 {
-    let apart = [0, 1].map(|k: usize| (next.ends[k] - one.ends[k]).norm());
-    let turn = one.normal.angle(&next.normal);
-    apart[0].max(apart[1]) * (0.5 * (0.5 * turn).tan()).min(1.0)
+/// How far a sheet may bulge from straight lines between an element and the one before it, mm. One that turns by θ between both
+/// without turning back stays within the triangle of its tangents, whose height over their distance w is at most w/2 · tan(θ/2). Found
+/// normals know little of wide stretches: the triangle of straight stretches before and behind, not much shorter, holds it too.
+/// Never more than w is allowed. This is what is given alone: no strip widens what it is held to.
+fn bulge(elements: &[ContactElement], k: usize) -> f64 {
+    let apart = |i: usize, j: usize| {
+        let ways = [0, 1].map(|side: usize| (elements[j].ends[side] - elements[i].ends[side]).norm());
+        ways[0].max(ways[1])
+    };
+    let across = |i: usize, j: usize| {
+        let along = elements.get(j)?.ends[1] - elements[j].ends[0] + elements[i].ends[1] - elements[i].ends[0];
+        along.cross(&(elements[j].centre() - elements[i].centre())).try_normalize(0.0)
+    };
+    let width = apart(k - 1, k);
+    let own = across(k - 1, k);
+    let before = (0..k - 1).rev().find(|&i| apart(i, k - 1) >= LONG * width);
+    let behind = (k + 1..elements.len()).find(|&i| apart(k, i) >= LONG * width);
+    let turn = |other: Option<Vec3>| Some(own?.angle(&other?));
+    let turns = [before.and_then(|i| turn(across(i, k - 1))), behind.and_then(|i| turn(across(k, i)))];
+    let stretches = match turns {
+        [Some(a), Some(b)] => a + b,
+        [Some(a), None] | [None, Some(a)] => 2.0 * a,
+        [None, None] => 0.0,
+    };
+    let turn = stretches.max(elements[k - 1].normal.angle(&elements[k].normal)).min(std::f64::consts::PI);
+    width * (0.5 * (0.5 * turn).tan()).min(1.0)
 }
 
 /// Whether a polygon of the plane and the border of a whole strip are within `off` (mm) of each other.
@@ -187,15 +208,31 @@ mod tests {
     #[test]
     fn what_a_sheet_may_bulge_by_is_at_least_what_a_cylinder_does() {
         for turn in [1e-3, 0.1, 0.5, 1.0, 2.0, 3.0] {
-            let [one, next] = [-0.5 * turn, 0.5 * turn].map(|a: f64| {
+            let elements = [-0.5 * turn, 0.5 * turn].map(|a: f64| {
                 let normal = Vec3::new(a.sin(), 0.0, a.cos());
                 let at = |y: f64| 100.0 * normal + Vec3::new(0.0, y, 0.0);
                 ContactElement { normal, ends: [at(0.0), at(50.0)], radius: 10.0, weight: 1.0 }
             });
-            let (allowed, apart) = (bulge(&one, &next), 200.0 * (0.5 * turn).sin());
+            let (allowed, apart) = (bulge(&elements, 1), 200.0 * (0.5 * turn).sin());
             let sagitta = 100.0 * (1.0 - (0.5 * turn).cos());
             assert!(allowed >= sagitta && allowed <= apart, "{turn}: {allowed} {sagitta}");
             assert!(turn > 1.0 || allowed <= 2.2 * sagitta, "{turn}: {allowed} {sagitta}");
         }
+    }
+
+    #[test]
+    fn wide_stretches_may_bulge_by_what_the_stretches_beside_them_leave() {
+        // Normals as they are found, of the chords beside: they hardly turn over the wide stretch from 0.6 to 1.4 rad.
+        let angles = [0.0_f64, 0.3, 0.6, 1.4, 1.7, 2.0];
+        let elements: Vec<ContactElement> = angles
+            .iter()
+            .map(|a| {
+                let at = |y: f64| Vec3::new(100.0 * a.cos(), 100.0 * a.sin(), y);
+                ContactElement { normal: Vec3::x(), ends: [at(0.0), at(50.0)], radius: 10.0, weight: 1.0 }
+            })
+            .collect();
+        let sagitta = 100.0 * (1.0 - 0.4_f64.cos());
+        let allowed = bulge(&elements, 3);
+        assert!(allowed > sagitta && allowed < 5.0 * sagitta, "{allowed} {sagitta}");
     }
 }
