@@ -166,7 +166,7 @@ fn bulge(elements: &[ContactElement], k: usize) -> f64 {
         ways[0].max(ways[1])
     };
     let across = |i: usize, j: usize| {
-        let along = elements.get(j)?.ends[1] - elements[j].ends[0] + elements[i].ends[1] - elements[i].ends[0];
+        let along = elements[j].ends[1] - elements[j].ends[0] + elements[i].ends[1] - elements[i].ends[0];
         along.cross(&(elements[j].centre() - elements[i].centre())).try_normalize(0.0)
     };
     let width = apart(k - 1, k);
